@@ -15,8 +15,8 @@ author = "The PAMR authors"
 copyright = "The PAMR authors, GPL-3.0-or-later"
 here = os.path.dirname(os.path.abspath(__file__))
 root = os.path.dirname(os.path.dirname(here))
-with open(os.path.join(root, "CMakeLists.txt"), encoding="utf-8") as file:
-    version = release = re.search(r"project\(pamr VERSION ([\d.]+)", file.read()).group(1)
+with open(os.path.join(root, "lib", "pamr", "base", "version.hpp"), encoding="utf-8") as file:
+    version = release = ".".join(re.findall(r"^#define PAMR_VERSION_\w+ (\d+)$", file.read(), re.M))
 
 extensions = ["myst_parser", "breathe", "sphinx.ext.autodoc"]
 root_doc = "docs/index"

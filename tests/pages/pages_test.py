@@ -72,7 +72,7 @@ class Pages(unittest.TestCase):
         self.assertGreater(n, 100)
 
     def test_every_file_that_names_the_version_has_the_same(self):
-        version = re.search(r"project\(pamr VERSION ([\d.]+)", (SOURCE / "CMakeLists.txt").read_text()).group(1)
+        version = ".".join(re.findall(r"^#define PAMR_VERSION_\w+ (\d+)$", (SOURCE / "lib/pamr/base/version.hpp").read_text(), re.M))
         for name, form in (("CITATION.cff", r"^version: (.*)$"), ("codemeta.json", r'"version": "(.*)"')):
             self.assertEqual(re.findall(form, (SOURCE / name).read_text(), re.M), [version], name)
 

@@ -28,7 +28,7 @@ void declare_surfaces(cli::CommandLine& line, Options& options) {
       .one_at_a_time();
   line.option(
           "--cad", options.cad,
-          "STEP (or BREP) file of the body that the mesh was made from: finds by geometry on which of its faces each "
+          "STEP, IGES or BREP file of the body that the mesh was made from: finds by geometry on which of its faces each "
           "patch lies")
       .type_name("FILE");
   line.flag("--recognize", options.recognize,
