@@ -26,10 +26,10 @@ void declare_surfaces(cli::CommandLine& line, Options& options) {
               "patch of it (all)")
       .type_name("NAME")
       .one_at_a_time();
-  line.option(
-          "--cad", options.cad,
-          "STEP, IGES or BREP file of the body that the mesh was made from: finds by geometry on which of its faces each "
-          "patch lies")
+  line.option("--cad", options.cad,
+              "STEP, IGES or BREP file of the body that the mesh was made from: finds by geometry on which of its "
+              "faces each "
+              "patch lies")
       .type_name("FILE");
   line.flag("--recognize", options.recognize,
             "put patches without a surface that certainly lie on a sphere, cylinder, cone or torus on it");
