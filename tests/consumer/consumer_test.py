@@ -97,7 +97,11 @@ class Consumer(unittest.TestCase):
         self.tool("pamr-quality", "level3.hdf", "--gate", "inverted_cells:max:0")
 
     def test_a_program_without_cmake(self):
-        pkgconfig = glob.glob(os.path.join(self.prefix, "lib*", "**", "pkgconfig"), recursive=True)[0]
+        """pkg-config quotes no blanks but those of -I and -L: the place has none."""
+        place = tempfile.mkdtemp(prefix="pamr-pc-")
+        self.addCleanup(shutil.rmtree, place)
+        os.symlink(self.prefix, os.path.join(place, "prefix"))
+        pkgconfig = glob.glob(os.path.join(place, "prefix", "lib*", "**", "pkgconfig"), recursive=True)[0]
         environment = self.environment() | {"PKG_CONFIG_PATH": pkgconfig}
         flags = shlex.split(self.run_ok("pkg-config", "--cflags", "--libs", "pamr", environment=environment))
         source = os.path.join(self.folder, "version.cpp")
