@@ -123,9 +123,9 @@ std::string remark_on(const GridArray& array) {
 }
 
 const GridArray* find_tags(const Grid& grid) {
-  for (const auto& [name, prefix] : tag_arrays) {
+  for (const auto& tags : tag_arrays) {
     const auto found = std::find_if(grid.arrays.begin(), grid.arrays.end(), [&](const GridArray& array) {
-      return !array.is_on_points && array.name == name && is_integer(array);
+      return !array.is_on_points && array.name == tags.name && is_integer(array);
     });
     if (found != grid.arrays.end()) return &*found;
   }
