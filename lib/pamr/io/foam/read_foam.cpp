@@ -182,8 +182,8 @@ class CaseReader {
         }
       }
     }
-    for (const auto& [zones, n] : n_in_both)
-      mesh_.overlaps.push_back({3, names[zones[0]], names[zones[1]], n, "which comes first"});
+    for (const auto& [zones, n_cells] : n_in_both)
+      mesh_.overlaps.push_back({3, names[zones[0]], names[zones[1]], n_cells, "which comes first"});
   }
 
   fs::path folder_;
