@@ -12,6 +12,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "pamr/base/byte_order_mark.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/hash.hpp"
 #include "pamr/geometry/triangulated/triangulation_text.hpp"

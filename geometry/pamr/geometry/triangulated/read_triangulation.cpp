@@ -10,13 +10,13 @@
 #include <iterator>
 #include <limits>
 
+#include "pamr/base/byte_order_mark.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/geometry/parameters.hpp"
 #include "pamr/geometry/triangulated/check_triangulation.hpp"
 #include "pamr/geometry/triangulated/read_obj.hpp"
 #include "pamr/geometry/triangulated/read_ply.hpp"
 #include "pamr/geometry/triangulated/read_stl.hpp"
-#include "pamr/geometry/triangulated/triangulation_text.hpp"
 #include "pamr/geometry/triangulated/write_triangulation.hpp"
 
 namespace pamr::geometry {

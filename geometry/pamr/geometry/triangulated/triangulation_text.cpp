@@ -27,11 +27,6 @@ char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + '
 
 }  // namespace
 
-std::string_view without_byte_order_mark(std::string_view text) {
-  constexpr std::string_view mark = "\xef\xbb\xbf";
-  return text.starts_with(mark) ? text.substr(mark.size()) : text;
-}
-
 std::string remark_on_parts(std::string_view what, const std::vector<std::string>& names) {
   constexpr std::size_t most = 5;
   if (names.size() < 2) return {};

@@ -54,9 +54,6 @@ class SurfaceText {
   std::size_t line_, at_ = 0;
 };
 
-/// A text without the mark with which some editors begin UTF-8.
-std::string_view without_byte_order_mark(std::string_view text);
-
 /// Says that the names of several parts of a file have no place in a surface; empty for less than two.
 /// `what`: "solids".
 std::string remark_on_parts(std::string_view what, const std::vector<std::string>& names);

@@ -6,6 +6,8 @@
 #include <cctype>
 #include <fstream>
 
+#include "pamr/base/byte_order_mark.hpp"
+
 namespace pamr::io {
 
 namespace {
@@ -51,8 +53,6 @@ constexpr std::array<Beginning, 32> beginnings{{
     {"\xfe\xff", "a text in UTF-16: save it as UTF-8"},
 }};
 
-constexpr std::string_view byte_order_mark = "\xef\xbb\xbf";
-
 bool begins_with(std::string_view bytes, std::string_view text) {
   const auto lower = [](char c) { return std::tolower(static_cast<unsigned char>(c)); };
   return bytes.size() >= text.size() &&
@@ -82,7 +82,7 @@ std::string known(std::string_view bytes) {
 }
 
 std::string_view without_blanks(std::string_view bytes) {
-  if (bytes.starts_with(byte_order_mark)) bytes.remove_prefix(byte_order_mark.size());
+  bytes = without_byte_order_mark(bytes);
   const auto begin = bytes.substr(0, 1000).find_first_not_of(" \t\r\n");
   return begin == std::string_view::npos ? std::string_view() : bytes.substr(begin);
 }

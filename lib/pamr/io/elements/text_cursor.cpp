@@ -13,6 +13,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "pamr/base/byte_order_mark.hpp"
 #include "pamr/base/error.hpp"
 
 namespace pamr::io {
@@ -78,8 +79,7 @@ void TextCursor::need(std::size_t n, std::string_view what) const {
 }
 
 void TextCursor::skip_byte_order_mark() {
-  constexpr std::string_view mark = "\xef\xbb\xbf";
-  if (at_ == 0 && bytes_.starts_with(mark)) at_ = mark.size();
+  if (at_ == 0 && bytes_.starts_with(byte_order_mark)) at_ = byte_order_mark.size();
 }
 
 std::string_view TextCursor::line() {

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "pamr/base/byte_order_mark.hpp"
 #include "pamr/io/elements/first_line.hpp"
 #include "pamr/io/elements/text_cursor.hpp"
 #include "pamr/io/elements/whole_mesh.hpp"
@@ -179,8 +180,7 @@ class MfemReader {
 bool is_mfem(const par::Comm& comm, const std::filesystem::path& file) {
   std::string begin(8, '\0');
   if (comm.is_first()) std::ifstream(file, std::ios::binary).read(begin.data(), 8);
-  constexpr std::string_view mark = "\xef\xbb\xbf";
-  return comm.any(begin.starts_with("MFEM") || begin == std::string(mark) + "MFEM ");
+  return comm.any(begin.starts_with("MFEM") || begin == std::string(byte_order_mark) + "MFEM ");
 }
 
 ElementMesh read_mfem(const par::Comm& comm, const std::filesystem::path& file, const ElementOptions& options) {
