@@ -15,8 +15,6 @@ endfunction()
 
 # pamr-picture is there in any case and looks for its packages when it runs.
 function(pamr_say_what_is_left_out)
-  find_program(PAMR_SYSTEM_PYTHON NAMES python3 HINTS /usr/bin)
-  mark_as_advanced(PAMR_SYSTEM_PYTHON)
   if(PAMR_TOOLS)
     execute_process(COMMAND ${PAMR_SYSTEM_PYTHON} -c "from importlib.util import find_spec as find
 raise SystemExit(not all(map(find, ('vtkmodules', 'matplotlib', 'h5py'))))" RESULT_VARIABLE missing OUTPUT_QUIET ERROR_QUIET)
