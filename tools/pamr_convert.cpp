@@ -40,13 +40,13 @@ using convert::Options;
 void write(const cli::Session& session, const Options& options, const mesh::DistMesh& mesh,
            const mesh::SecondOrder* second_order) {
   const auto& comm = session.comm();
-  options.to->write(comm, options.output, mesh,
-                    {.format = options.format,
-                     .remark = session.remarks(),
-                     .gmsh = {options.gmsh_version == "2.2" ? io::GmshVersion::v2_2 : io::GmshVersion::v4_1,
-                              !options.text, convert::interfaces_of(options)},
-                     .second_order = second_order,
-                     .patches = options.patches});
+  io::write_mesh(comm, options.output, mesh,
+                 {.format = options.format,
+                  .remark = session.remarks(),
+                  .gmsh = {options.gmsh_version == "2.2" ? io::GmshVersion::v2_2 : io::GmshVersion::v4_1, !options.text,
+                           convert::interfaces_of(options)},
+                  .second_order = second_order,
+                  .patches = options.patches});
   if (!options.solution_out.empty()) io::write_medit_fields(comm, options.solution_out, mesh, options.solution_fields);
 }
 
@@ -82,12 +82,13 @@ void adjust(const par::Comm& comm, const Options& options, mesh::DistMesh& mesh)
 void report_groups(cli::Session& session, const Options& options, const mesh::DistMesh& mesh, nlohmann::json& report) {
   const bool to_medit = options.to->has_solutions;
   if (!to_medit && !options.interfaces) return;
-  const auto names = io::group_triangles(session.comm(), mesh, convert::interfaces_of(options)).name;
+  const auto groups = io::group_triangles(session.comm(), mesh, convert::interfaces_of(options));
+  const auto& names = groups.name;
   for (auto p = mesh.info.patches.size(); p < names.size(); ++p) report["interfaces"].push_back(names[p]);
   if (options.interfaces && names.size() == mesh.info.patches.size())
     session.warn("--interfaces: expected two regions or more (cell field 'region'), found one: nothing to write");
   if (!to_medit) return;
-  const auto reference = io::medit_references(names);
+  const auto reference = io::medit_references(names, groups.number);
   for (std::size_t p = 0; p < reference.size(); ++p) report["references"][names[p]] = reference[p];
 }
 

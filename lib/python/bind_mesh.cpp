@@ -18,6 +18,7 @@
 #include "pamr/io/foam/foam_order.hpp"
 #include "pamr/io/formats.hpp"
 #include "pamr/mesh/fingerprint.hpp"
+#include "pamr/mesh/inner_patches.hpp"
 #include "pamr/mesh/tet.hpp"
 #include "pamr/validate/validate.hpp"
 #include "python/numpy_arrays.hpp"
@@ -69,7 +70,8 @@ MeshArrays to_arrays(const Given& given) {
   arrays.cells = rows_of<std::array<GlobalId, 4>>(given.cells);
   arrays.triangles = rows_of<std::array<GlobalId, 3>>(given.triangles);
   arrays.tags = rows_of<std::int64_t>(given.tags);
-  for (const auto& [tag, name, kind] : given.patches) arrays.patch_of_tag[tag] = {name, kind};
+  for (const auto& [tag, name, kind] : given.patches)
+    arrays.patch_of_tag[tag] = {.name = name, .kind = kind, .number = std::max<std::int64_t>(tag, -1)};
   arrays.cell_fields = fields_of(given.cell_fields);
   arrays.node_fields = fields_of(given.node_fields);
   arrays.length_unit = given.length_unit;
@@ -195,6 +197,27 @@ py::tuple boundary_faces(const PythonMesh& mesh) {
   return py::make_tuple(copy_out(cell), copy_out(slot), copy_out(patch), copy_out(nodes).reshape({n, py::ssize_t{3}}));
 }
 
+/// Faces inside with a patch, from each cell that has one: cell, face, patch, the three nodes with the normal out of the
+/// cell, and whether this is the side of the cell with the lower number.
+py::tuple inner_faces(const PythonMesh& mesh) {
+  const mesh::InnerPatches patches(mesh.mesh);
+  std::vector<std::int32_t> cell, slot, patch, nodes;
+  std::vector<std::uint8_t> is_first;
+  for (LocalId c = 0; c < (patches.is_empty() ? 0 : mesh.mesh.n_cells()); ++c)
+    for (int f = 0; f < 4; ++f) {
+      if (patches.of({c, f}) < 0) continue;
+      cell.push_back(c);
+      slot.push_back(f);
+      patch.push_back(patches.of({c, f}));
+      is_first.push_back(patches.is_first_side({c, f}) ? 1 : 0);
+      for (const auto corner : mesh::tet::face_to_corner[at(f)])
+        nodes.push_back(mesh.mesh.cell_to_node[at(c)][at(corner)]);
+    }
+  const auto n = static_cast<py::ssize_t>(cell.size());
+  return py::make_tuple(copy_out(cell), copy_out(slot), copy_out(patch), copy_out(nodes).reshape({n, py::ssize_t{3}}),
+                        copy_out(is_first));
+}
+
 Array<std::uint8_t> levels(const PythonMesh& mesh) {
   std::vector<std::uint8_t> result;
   for (const auto lineage : mesh.mesh.lineage) result.push_back(static_cast<std::uint8_t>(lineage.level()));
@@ -226,6 +249,7 @@ void bind_arrays(py::class_<PythonMesh, SharedMesh>& type) {
   });
   type.def_property_readonly("levels", levels);
   type.def("boundary_faces", boundary_faces);
+  type.def("inner_faces", inner_faces);
   type.def("node_block", [](const PythonMesh& mesh) {
     const auto block = node_block(mesh);
     return Array<double>({static_cast<py::ssize_t>(block.size()), py::ssize_t{3}},
@@ -243,6 +267,11 @@ void bind_mesh(py::module_& module) {
     for (const auto& patch : mesh.mesh.info.patches)
       patches.emplace_back(patch.name, patch.kind, mesh.mesh.info.surface_name(patch));
     return patches;
+  });
+  type.def_property_readonly("patch_numbers", [](const PythonMesh& mesh) {
+    std::vector<std::int64_t> numbers;
+    for (const auto& patch : mesh.mesh.info.patches) numbers.push_back(patch.number);
+    return numbers;
   });
   type.def_property_readonly("regions", [](const PythonMesh& mesh) {
     std::vector<std::pair<std::int64_t, std::string>> regions;

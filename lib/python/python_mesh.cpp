@@ -8,6 +8,7 @@
 #include "pamr/check/tears.hpp"
 #include "pamr/io/elements/element_parts.hpp"
 #include "pamr/io/elements/element_remarks.hpp"
+#include "pamr/mesh/inner_patches.hpp"
 #include "pamr/mesh/level0_key.hpp"
 #include "pamr/par/exchange.hpp"
 #include "pamr/validate/validate.hpp"
@@ -105,6 +106,7 @@ std::shared_ptr<ShownField> show_field(const std::shared_ptr<PythonMesh>& mesh, 
 
 void put_field(PythonMesh& mesh, bool on_cells, mesh::Field field) {
   mesh::require_level0_shape(field, on_cells);
+  if (on_cells) mesh::require_inner_patches(field, mesh.mesh.info.patches.size());
   auto& fields = fields_of(mesh, on_cells);
   const auto old = find(fields, field.name);
   if (old == fields.end()) {

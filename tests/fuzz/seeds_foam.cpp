@@ -19,8 +19,8 @@ namespace pamr::fuzz {
 namespace {
 
 /// A case is damaged as one file: its parts one after another, each behind a line with its name.
-constexpr std::array<const char*, 7> parts{"points",    "points.gz", "faces",    "owner",
-                                           "neighbour", "boundary",  "cellZones"};
+constexpr std::array<const char*, 8> parts{"points",    "points.gz", "faces",     "owner",
+                                           "neighbour", "boundary",  "cellZones", "faceZones"};
 
 std::string line_before(const std::string& part) { return "//FILE " + part + "\n"; }
 
@@ -73,7 +73,11 @@ std::string short_case(const std::filesystem::path& folder) {
          head("polyBoundaryMesh", "boundary", "ascii") + "1\n(\n wall { type wall; nFaces 4; startFace 0; }\n)\n" +
          line_before("cellZones") + head("regIOobject", "cellZones", "ascii") +
          "2\n(\n gas { type cellZone; cellLabels List<label> 1{0}; }\n all { type cellZone; cellLabels List<label> "
-         "1(0); }\n)\n";
+         "1(0); }\n)\n" +
+         line_before("faceZones") + head("regIOobject", "faceZones", "ascii") +
+         "2\n(\n cut { type faceZone; faceLabels List<label> 2(0 1); flipMap List<bool> 2{0}; }\n wall { type "
+         "faceZone; "
+         "faceLabels List<label> 1{3}; flipMap List<bool> 1(1); }\n)\n";
 }
 
 }  // namespace

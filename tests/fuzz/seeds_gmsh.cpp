@@ -29,7 +29,7 @@ void write_seed_files(const par::Comm& comm, const std::filesystem::path& folder
   const auto mesh = assemble::assemble(comm, std::move(block));
   for (int i = 0; i < n_seed_files(); ++i)
     io::write_gmsh(comm, folder / seed_name(i), mesh,
-                   {i < 2 ? io::GmshVersion::v2_2 : io::GmshVersion::v4_1, i % 2 == 1});
+                   {i < 2 ? io::GmshVersion::v2_2 : io::GmshVersion::v4_1, i % 2 == 1, io::Interfaces::by_regions});
   for (int i = 0; i < n_seed_files(); ++i) read_file(comm, folder / seed_name(i));  // good ones
 }
 

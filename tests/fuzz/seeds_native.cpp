@@ -6,6 +6,8 @@
 #include "pamr/assemble/assemble.hpp"
 #include "pamr/base/with_file_name.hpp"
 #include "pamr/io/native/native_file.hpp"
+#include "pamr/mesh/inner_patches.hpp"
+#include "pamr/mesh/ring.hpp"
 #include "pamr/validate/validate.hpp"
 #include "seeds.hpp"
 #include "support/meshes.hpp"
@@ -14,7 +16,7 @@
 
 namespace pamr::fuzz {
 
-// 0 a Kuhn cube with fields and patches as the library writes it; 1 a closure family; 2 the `/VTKHDF` part alone in
+// 0 a Kuhn cube with fields and patches, also of faces inside, as the library writes it; 1 a closure family; 2 the `/VTKHDF` part alone in
 // HDF5's oldest layout; 3 the same chunked and compressed, with texts of variable length and families of format 1; 4
 // all parts in the oldest layout and without checksums, so that damage reaches the values; 5 and 6 as 0 and 1, without
 // checksums; 7 and 8 with a map of level 0, with and without checksums.
@@ -33,8 +35,25 @@ void read_file(const par::Comm& comm, const std::filesystem::path& file) {
 
 std::string seed_name(int i) { return "seed" + std::to_string(i) + ".hdf"; }
 
+/// On one rank: every third face inside has a patch, and a patch has a number.
+mesh::DistMesh with_faces_inside(mesh::DistMesh mesh) {
+  auto& word = mesh::make_inner_patches(mesh);
+  for (LocalId c = 0; c < mesh.n_cells(); ++c)
+    for (int slot = 0; slot < 4; ++slot) {
+      const auto next = mesh.cell_to_cell[at(c)][at(slot)];
+      if (next < c || (c + slot) % 3 != 0) continue;
+      const int there = mesh::slot_of(mesh.cell_to_cell[at(next)], c),
+                patch = slot % static_cast<int>(mesh.info.patches.size());
+      word[at(c)] = mesh::with_inner_patch(word[at(c)], slot, patch);
+      word[at(next)] = mesh::with_inner_patch(word[at(next)], there, patch);
+    }
+  mesh.info.patches[0].number = 7;
+  return mesh;
+}
+
 void write_seed_files(const par::Comm& comm, const std::filesystem::path& folder) {
-  io::write_native(comm, folder / seed_name(0), test::mesh_with_fields(comm, 2, 1), {.provenance = "fuzz"});
+  io::write_native(comm, folder / seed_name(0), with_faces_inside(test::mesh_with_fields(comm, 2, 1)),
+                   {.provenance = "fuzz"});
   const auto family = test::closure_family(mesh::FamilyKind::face, 1);
   io::write_native(comm, folder / seed_name(1), assemble::assemble(comm, family));
   test::write_plain_vtkhdf(folder / seed_name(2), false);

@@ -51,9 +51,13 @@ def test_a_mesh_goes_from_dolfinx_and_back_with_tags_and_maps():
     import ufl
     measure = ufl.Measure("ds", mesh, subdomain_data=back.facet_tags)
     one = fem.Constant(mesh, 1.0)
-    for patch, area in enumerate((1, 1, 4)):
-        found = COMM.allreduce(fem.assemble_scalar(fem.form(one * measure(patch))), MPI.SUM)
+    assert back.names == {1: "in", 2: "out"}  # the tags that were given
+    for tag, area in ((1, 1), (2, 1), (0, 0)):
+        found = COMM.allreduce(fem.assemble_scalar(fem.form(one * measure(tag))), MPI.SUM)
         assert abs(found - area) < 1e-12
+    own_cells = back.cell_tags.indices
+    assert set(back.cell_tags.values.tolist()) <= {5}
+    assert np.array_equal(np.sort(own_cells), np.flatnonzero(fine.cell_fields["region"][back.cell_rows] == 5))
     # Faces between cells, those on the border of ranks too.
     faces = ufl.Measure("dS", mesh)
     found = COMM.allreduce(fem.assemble_scalar(fem.form(one("+") * faces)), MPI.SUM)
@@ -61,6 +65,26 @@ def test_a_mesh_goes_from_dolfinx_and_back_with_tags_and_maps():
     edges = [corners[:, j] - corners[:, i] for i, j in ((0, 1), (0, 2), (0, 3), (1, 2), (1, 3))]
     areas = sum(np.linalg.norm(np.cross(edges[i], edges[j]), axis=1).sum() / 2 for i, j in ((0, 1), (0, 2), (1, 2), (3, 4)))
     assert abs(found - (COMM.allreduce(areas, MPI.SUM) - 6) / 2) < 1e-10
+
+
+def test_a_tagged_plane_inside_is_integrated_over_at_every_level():
+    """Facets at x = 1/3 have tag 7, those at x = 1 tag 12: dS and ds of a linear function, exact on every level."""
+    import ufl
+    theirs = dolfinx.mesh.create_unit_cube(COMM, 3, 3, 3)
+    inside = dolfinx.mesh.locate_entities(theirs, 2, lambda p: np.isclose(p[0], 1 / 3))
+    outside = dolfinx.mesh.locate_entities_boundary(theirs, 2, lambda p: np.isclose(p[0], 1))
+    facets = np.concatenate([inside, outside])
+    values = np.concatenate([np.full(len(inside), 7, np.int32), np.full(len(outside), 12, np.int32)])
+    order = np.argsort(facets)
+    ours = pamr.from_dolfinx(theirs, dolfinx.mesh.meshtags(theirs, 2, facets[order], values[order]), {7: "sheet"})
+    assert ours.patches == ["sheet", "patch_12", "boundary"] and ours.patch_numbers == [7, 12, -1]
+    for level in range(3):
+        back = pamr.to_dolfinx(ours)
+        x = ufl.SpatialCoordinate(back.mesh)
+        on, at = (ufl.Measure(kind, back.mesh, subdomain_data=back.facet_tags) for kind in ("dS", "ds"))
+        for form, exact in ((x[1]("+") * on(7), 0.5), ((1 + x[2]) * at(12), 1.5)):
+            assert abs(COMM.allreduce(fem.assemble_scalar(fem.form(form)), MPI.SUM) - exact) < 1e-12, level
+        ours = pamr.refine(ours, ours.points[ours.cells].mean(axis=1)[:, 1] < 0.5).mesh
 
 
 run_tests(globals())

@@ -246,21 +246,19 @@ def test_regions_become_zones_of_an_openfoam_case():
         assert [int(w) for w in words[here + 8 : here + 8 + n]] == np.flatnonzero(region == number).tolist()
 
 
-def test_surfaces_between_two_regions_are_no_patch():
-    """Solvers with interfaces want such surfaces in the file; between cells of one region they are refused."""
+def test_a_face_between_two_regions_with_a_patch_on_each_side_keeps_one():
+    """Solvers with interfaces want such surfaces in the file."""
     between = two_cells().replace("2 4 2 7 1 20 30 40 50", "2 4 2 8 1 20 30 40 50").replace(
         "$Elements\n10", "$Elements\n12").replace("9 15 2", "11 2 2 3 3 40 20 30\n12 2 2 4 4 20 30 40\n9 15 2")
     told = run("pamr-convert", write("between.msh", between), "between.hdf", "--json", "-")
-    assert told.json["inner_faces"] == {"physical_3": 1, "physical_4": 1}
-    assert told.json["patches"] == ["near", "far side"] and told.json["untagged_faces"] == 0
-    assert "1 triangles of 'physical_3' lie between two regions and are no patch" in told.err, told.err
+    assert told.json["inner_faces"] == {"physical_3": 1}
+    assert told.json["patches"] == ["near", "far side", "physical_3"] and told.json["untagged_faces"] == 0
+    assert "1 triangles are in the group 'physical_3' and in 'physical_4': they stay in 'physical_3'" in told.err, told.err
     with h5py.File("between.hdf") as file:
         assert sorted(file["VTKHDF/CellData/region"][:]) == [7, 8]
     run("pamr-convert", "between.msh", "again.hdf", "--quiet", serial=True)
     assert same_bytes("between.hdf", "again.hdf")
-    refuses("pamr-convert", "between.msh", "strict.hdf", "--strict", says=["'physical_3' between two regions"], creates="strict.hdf")
-    refuses("pamr-convert", write("within.msh", between.replace("4 2 8 1", "4 2 7 1")), "no.hdf", says=["2 inside a region"],
-            creates="no.hdf")
+    refuses("pamr-convert", "between.msh", "strict.hdf", "--strict", says=["in 'physical_3' and in 'physical_4'"], creates="strict.hdf")
 
 
 def two_cells_in_two_groups():
@@ -371,8 +369,7 @@ def test_what_is_no_good_mesh_is_refused_by_name():
         "second order": (good.replace("1 4 2 7 1 10 20 30 40", "1 11 2 7 1 10 20 30 40 10 20 30 40 50 10"),
                          ["1 tetrahedra of second order"]),
         "hexahedra": (good.replace("1 4 2 7 1 10 20 30 40", "1 5 2 7 1 10 20 30 40 50 10 20 30"), ["1 hexahedra"]),
-        "inside": (good.replace("3 2 2 1 1 10 20 30", "3 2 2 1 1 20 30 40"), ["1 inside a region"]),
-        "apart": (good.replace("3 2 2 1 1 10 20 30", "3 2 2 1 1 10 20 50"), ["1 inside a region or apart"]),
+        "apart": (good.replace("3 2 2 1 1 10 20 30", "3 2 2 1 1 10 20 50"), ["1 apart from the cells"]),
         "two tags": (good.replace("4 2 2 1 1 10 20 40", "4 2 2 2 2 10 20 30"), ["1 faces in two surfaces"]),
         "many": (good.replace("$Nodes\n5", "$Nodes\n5000000000"), ["5000000000"]),
         "few": (good.replace("$Nodes\n5", "$Nodes\n6"), ["expected"]),

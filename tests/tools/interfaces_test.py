@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""pamr-convert: triangles between regions are left out when a mesh is read, and written again with --interfaces."""
+"""pamr-convert: faces inside with a group are patches; --interfaces writes those between regions that have none."""
 import pathlib
 import warnings
 
@@ -66,11 +66,10 @@ def test_interfaces_are_written_and_read_back():
         run("pamr-convert", source, "one_" + name, "--interfaces", *options, serial=True)
         assert same_bytes(name, "one_" + name)
         back = run("pamr-convert", name, "back.hdf", "--force", "--json", "-", serial=True)
-        assert sum(back.json["inner_faces"].values()) == 2 * n and "between two regions" in back.err
-        assert len(back.json["patches"]) == 6
+        assert sum(back.json["inner_faces"].values()) == 2 * n and "warning" not in back.err
+        assert len(back.json["patches"]) == 8
     assert read("a.msh").field_data["region_5_region_9"].tolist() == [8, 2]
-    refuses("pamr-convert", "a.msh", "strict.hdf", "--strict", says=[f"found {2 * N * N} triangles of "],
-            creates="strict.hdf")
+    run("pamr-convert", "a.msh", "strict.hdf", "--strict", serial=True)
 
 
 MSH = """$MeshFormat
@@ -102,17 +101,40 @@ $EndElements
 def test_volumes_without_groups_are_regions():
     pathlib.Path("bare.msh").write_text(MSH.format(outside=0, inside=0, first=0, second=0))
     report = run("pamr-convert", "bare.msh", "bare.hdf", "--json", "-").json
-    assert report["patches"] == ["surface_1"] and sum(report["inner_faces"].values()) == 1
+    assert report["patches"] == ["surface_2", "surface_1"] and report["inner_faces"] == {"surface_2": 1}
     with h5py.File("bare.hdf") as file:
         assert sorted(file["VTKHDF/CellData/region"][:].tolist()) == [1, 2]
 
 
-def test_a_triangle_inside_a_region_is_refused():
+def test_faces_inside_are_patches_and_stay_so():
+    """A baffle within one region, an interface, and a group that is both on the boundary and inside."""
+    for name, inside, second, patches in (("baffle", 2, 4, ["physical_1", "physical_2"]), ("between", 2, 6, ["physical_1", "physical_2"]),
+                                          ("same", 1, 6, ["physical_1"])):
+        pathlib.Path(f"{name}.msh").write_text(MSH.format(outside=1, inside=inside, first=4, second=second))
+        report = run("pamr-convert", f"{name}.msh", f"{name}.hdf", "--json", "-").json
+        assert report["patches"] == patches and report["inner_faces"] == {f"physical_{inside}": 1}, report
+        run("pamr-convert", f"{name}.msh", "alone.hdf", "--force", "--quiet", serial=True)
+        assert same_bytes(f"{name}.hdf", "alone.hdf")
+        run("pamr-mark", f"{name}.hdf", "-o", "marked.hdf", "--patch", patches[-1], "--force", "--quiet", serial=True)
+        run("pamr-refine", "marked.hdf", "-o", "fine.hdf", "--force", "--quiet")
+        run("pamr-refine", "marked.hdf", "-o", "fine1.hdf", "--force", "--quiet", serial=True)
+        assert same_bytes("fine.hdf", "fine1.hdf")
+        for out in ("fine.msh", "fine.mesh", "fine.vtu", "fine_foam"):
+            run("pamr-convert", "fine.hdf", out, "--force", "--quiet")
+            back = run("pamr-convert", out, "back.hdf", "--force", "--json", "-", serial=True).json
+            assert len(back["patches"]) == len(patches) and list(back["inner_faces"].values()) == [4], (out, back)
+        back = run("pamr-quality", "fine.hdf", "--json", "-", serial=True).json
+        assert [p["faces"] for p in back["patches"]] == ([28] if name == "same" else [24, 4])
+        run("pamr-convert", "fine.hdf", "su2.su2", "--force")
+        refuses("pamr-convert", f"{name}.hdf", "old.hdf", "--format", "2", says=["expected 4"], creates="old.hdf")
+
+
+def test_what_formats_without_a_place_leave_out_is_told():
     pathlib.Path("baffle.msh").write_text(MSH.format(outside=1, inside=2, first=4, second=4))
-    refuses("pamr-convert", "baffle.msh", "out.hdf", says=["1 inside a region"], creates="out.hdf")
-    pathlib.Path("same.msh").write_text(MSH.format(outside=1, inside=1, first=4, second=6))
-    report = run("pamr-convert", "same.msh", "same.hdf", "--json", "-").json
-    assert report["patches"] == ["physical_1"] and sum(report["inner_faces"].values()) == 1
+    run("pamr-convert", "baffle.msh", "baffle.hdf", "--quiet")
+    for out in ("baffle.su2", "baffle.b8.ugrid", "baffle.cgns"):
+        err = run("pamr-convert", "baffle.hdf", out, "--force").err
+        assert "1 face inside of 'physical_2' is left out" in err, (out, err)
 
 
 def test_what_has_no_interfaces():

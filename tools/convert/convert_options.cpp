@@ -172,7 +172,7 @@ bool asks_for_surfaces(const Options& options) {
 }
 
 io::Interfaces interfaces_of(const Options& options) {
-  return options.interfaces ? io::Interfaces::by_regions : io::Interfaces::none;
+  return options.interfaces ? io::Interfaces::by_regions : io::Interfaces::patches;
 }
 
 std::string check_files(cli::Session& session, const Options& options) {

@@ -16,6 +16,7 @@
 #include "pamr/geometry/triangulated/triangulated_surface.hpp"
 #include "pamr/mesh/box_of_nodes.hpp"
 #include "pamr/mesh/find_patches.hpp"
+#include "pamr/mesh/inner_patches.hpp"
 #include "pamr/mesh/tet.hpp"
 #include "pamr/par/exchange.hpp"
 #include "pamr/par/mailbox.hpp"
@@ -114,10 +115,11 @@ void put_surfaces(const geometry::SurfaceSet& asked_for, const std::vector<int>&
 
 /// Local nodes of a patch.
 std::vector<LocalId> nodes_of(const mesh::DistMesh& mesh, int patch) {
+  const mesh::InnerPatches patches(mesh);
   std::vector<LocalId> nodes;
   for (LocalId c = 0; c < mesh.n_cells(); ++c)
     for (std::size_t slot = 0; slot < 4; ++slot)
-      if (mesh.cell_to_cell[static_cast<std::size_t>(c)][slot] == mesh::patch_to_slot(patch))
+      if (patches.of_any({c, static_cast<int>(slot)}) == patch)
         for (const auto corner : mesh::tet::face_to_corner[slot])
           nodes.push_back(mesh.cell_to_node[static_cast<std::size_t>(c)][static_cast<std::size_t>(corner)]);
   std::sort(nodes.begin(), nodes.end());

@@ -7,6 +7,7 @@
 
 #include "pamr/base/hash.hpp"
 #include "pamr/base/index.hpp"
+#include "pamr/mesh/inner_patches.hpp"
 #include "pamr/mesh/tet.hpp"
 #include "pamr/par/mailbox.hpp"
 
@@ -65,12 +66,14 @@ PatchSample make_sample(std::span<const PatchFace> faces, std::uint64_t bound) {
 }  // namespace
 
 std::vector<PatchFace> faces_of_patches(const mesh::DistMesh& mesh, const std::vector<bool>& is_wanted) {
+  const mesh::InnerPatches patches(mesh);
   std::vector<PatchFace> faces;
   for (LocalId c = 0; c < mesh.n_cells(); ++c)
     for (std::size_t slot = 0; slot < 4; ++slot) {
-      const auto next = mesh.cell_to_cell[at(c)][slot];
-      if (next >= 0 || !is_wanted[at(mesh::slot_to_patch(next))]) continue;
-      PatchFace face{mesh::slot_to_patch(next), {}};
+      const mesh::CellFace here{c, static_cast<int>(slot)};
+      const int patch = patches.of_any(here);
+      if (patch < 0 || !is_wanted[at(patch)] || !patches.is_first_side(here)) continue;
+      PatchFace face{patch, {}};
       for (std::size_t k = 0; k < 3; ++k)
         face.corner[k] = mesh.point(mesh.cell_to_node[at(c)][at(mesh::tet::face_to_corner[slot][k])]);
       // the least corner first: the same bits however the cell has its corners

@@ -10,6 +10,7 @@
 #include "pamr/assemble/assemble.hpp"
 #include "pamr/base/contract.hpp"
 #include "pamr/base/index.hpp"
+#include "pamr/mesh/inner_patches.hpp"
 #include "pamr/mesh/region_faces.hpp"
 #include "pamr/mesh/tet.hpp"
 #include "pamr/par/exchange.hpp"
@@ -29,6 +30,7 @@ mesh::BlockMesh to_block(const par::Comm& comm, const mesh::DistMesh& mesh, cons
   block.info = mesh.info;
   block.info.n_global_nodes += static_cast<GlobalId>(splits.size());
   block.info.level0 = nullptr;  // it is that of another level 0
+  const mesh::InnerPatches inner_patches(mesh);
   std::vector<LocalId> parent;
   for (LocalId c = 0; c < mesh.n_cells(); ++c) {
     const auto found = children.find(mesh.cell_global[at(c)]);
@@ -45,14 +47,14 @@ mesh::BlockMesh to_block(const par::Comm& comm, const mesh::DistMesh& mesh, cons
     auto& patches = patch.emplace_back();
     for (std::size_t k = 0; k < 4; ++k) {
       node[k] = mesh.node_global[at(mesh.cell_to_node[at(c)][k])];
-      const auto next = mesh.cell_to_cell[at(c)][k];
-      patches[k] = next < 0 ? mesh::slot_to_patch(next) : inner_face;
+      patches[k] = inner_patches.of_any({c, static_cast<int>(k)});
     }
   }
   const auto n_cells = static_cast<std::int64_t>(parent.size());
   block.info.n_global_cells = comm.sum(n_cells);
   block.first_cell = mesh.info.first_id + comm.exclusive_sum(n_cells);
   for (const auto& field : mesh.cell_fields) {
+    if (mesh::is_inner_patch_field(field)) continue;  // made anew from `patch`
     auto& copy = block.cell_fields.emplace_back(field);
     std::visit(
         [&](auto& values) {
@@ -109,15 +111,32 @@ void scatter_nodes(const par::Comm& comm, const mesh::DistMesh& mesh, const std:
   }
 }
 
-/// Gives boundary faces their patches; neighbors were built without them.
-void name_patches(const std::vector<std::array<int, 4>>& patch, mesh::DistMesh& mesh) {
+/// Gives faces their patches; neighbors were built without them.
+void name_patches(const std::vector<std::array<int, 4>>& patch, bool has_inner_patches, mesh::DistMesh& mesh) {
   PAMR_ENSURES(patch.size() == mesh.cell_to_cell.size());
+  std::vector<std::pair<std::size_t, std::size_t>> inside;
   for (std::size_t c = 0; c < patch.size(); ++c)
     for (std::size_t k = 0; k < 4; ++k) {
       auto& next = mesh.cell_to_cell[c][k];
-      PAMR_ENSURES((next < 0) == (patch[c][k] != inner_face));
-      if (next < 0) next = mesh::patch_to_slot(patch[c][k]);
+      PAMR_ENSURES(next >= 0 || patch[c][k] != inner_face);
+      if (next < 0)
+        next = mesh::patch_to_slot(patch[c][k]);
+      else if (patch[c][k] != inner_face)
+        inside.emplace_back(c, k);
     }
+  if (!has_inner_patches) return;
+  auto& word = mesh::make_inner_patches(mesh);
+  for (const auto& [c, k] : inside) word[c] = mesh::with_inner_patch(word[c], static_cast<int>(k), patch[c][k]);
+}
+
+/// The faces that keep their shape: between regions, and those inside with a patch. Collective.
+std::vector<mesh::RegionFace> fixed_faces(const par::Comm& comm, const mesh::DistMesh& mesh) {
+  auto faces = mesh::faces_between_regions(comm, mesh);
+  const mesh::InnerPatches patches(mesh);
+  for (LocalId c = 0; c < mesh.n_cells(); ++c)
+    for (int slot = 0; slot < 4; ++slot)
+      if (patches.of({c, slot}) >= 0) faces.push_back({{c, slot}, {}});
+  return faces;
 }
 
 /// True when no field would have to follow nodes that move.
@@ -191,7 +210,8 @@ mesh::DistMesh open_wall_ears(const par::Comm& comm, mesh::DistMesh mesh, const 
   for (const auto& face : ears.face) splits.push_back({face, 0, {}});
   auto cells = cells_to_split(comm, mesh, splits);
   splits = placed_in_order(cells, std::move(splits));
-  const auto between = mesh::faces_between_regions(comm, mesh);
+  const auto between = fixed_faces(comm, mesh);
+  const bool has_inner_patches = mesh.find_cell_field(mesh::inner_patch_field) != nullptr;
   std::vector<GlobalId> inner;
   if (has_no_values(mesh)) inner = inner_nodes(comm, mesh, between, cells);
   const auto at_inner = cells_at(comm, mesh, inner);
@@ -205,7 +225,7 @@ mesh::DistMesh open_wall_ears(const par::Comm& comm, mesh::DistMesh mesh, const 
   scatter_nodes(comm, mesh, splits, block);
   mesh = {};
   mesh = assemble::assemble(comm, std::move(block));
-  name_patches(patch, mesh);
+  name_patches(patch, has_inner_patches, mesh);
   return mesh;
 }
 

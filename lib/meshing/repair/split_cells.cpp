@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "pamr/base/index.hpp"
+#include "pamr/mesh/inner_patches.hpp"
 #include "pamr/mesh/tet.hpp"
 #include "pamr/par/gather_few.hpp"
 
@@ -29,12 +30,11 @@ std::map<GlobalId, std::vector<std::size_t>> by_first_node(const std::vector<Spl
   return rows;
 }
 
-CellPart part_from(const mesh::DistMesh& mesh, LocalId c) {
+CellPart part_from(const mesh::DistMesh& mesh, const mesh::InnerPatches& patches, LocalId c) {
   CellPart part{mesh.cell_global[at(c)], {}, mesh.points(c), {}};
   for (std::size_t k = 0; k < 4; ++k) {
     part.node[k] = mesh.node_global[at(mesh.cell_to_node[at(c)][k])];
-    const auto next = mesh.cell_to_cell[at(c)][k];
-    part.patch[k] = next < 0 ? mesh::slot_to_patch(next) : inner_face;
+    part.patch[k] = patches.of_any({c, static_cast<int>(k)});
   }
   return part;
 }
@@ -46,11 +46,12 @@ std::vector<CellPart> gather_cells(const par::Comm& comm, const mesh::DistMesh& 
   std::vector<std::uint8_t> is_at(at(mesh.n_nodes()), 0);
   for (std::size_t n = 0; n < is_at.size(); ++n)
     is_at[n] = std::binary_search(wanted.begin(), wanted.end(), mesh.node_global[n]) ? 1 : 0;
+  const mesh::InnerPatches patches(mesh);
   std::vector<CellPart> parts;
   for (LocalId c = 0; c < mesh.n_cells(); ++c) {
     const auto& nodes = mesh.cell_to_node[at(c)];
     if (std::none_of(nodes.begin(), nodes.end(), [&](LocalId n) { return is_at[at(n)] != 0; })) continue;
-    if (const auto part = part_from(mesh, c); is_wanted(part)) parts.push_back(part);
+    if (const auto part = part_from(mesh, patches, c); is_wanted(part)) parts.push_back(part);
   }
   return gather_few(comm, std::move(parts));
 }

@@ -14,7 +14,7 @@
 
 namespace pamr::meshing {
 
-inline constexpr int inner_face = -1;  ///< in place of a patch: a face that is not in the boundary
+inline constexpr int inner_face = -1;  ///< in place of a patch: a face inside that has none
 
 /// A cell, or a part of one that splits have left.
 struct CellPart {

@@ -16,6 +16,7 @@
 #include "pamr/adapt/take_back.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/geometry/surface.hpp"
+#include "pamr/mesh/inner_patches.hpp"
 #include "pamr/mesh/level0_key.hpp"
 #include "pamr/mesh/undescribed_patches.hpp"
 #include "pamr/refine/close.hpp"
@@ -54,14 +55,16 @@ std::vector<std::uint8_t> sum_of_origins(const std::vector<std::uint8_t>& counts
   return sum;
 }
 
-/// A mesh without fields, but for those that splits look at: which nodes lie off their surfaces, where they lie in level 0.
+/// A mesh without fields, but for those that splits look at: which nodes lie off their surfaces, where they lie in level 0,
+/// which faces inside have a patch.
 mesh::DistMesh bare_copy(const mesh::DistMesh& mesh) {
   auto copy = copy_without_fields(mesh, 0, 0);
   for (const auto& field : mesh.node_fields)
     if (field.name == mesh::off_surface_field || field.name == mesh::off_facets_field ||
         field.name == mesh::level0_key_field)
       copy.node_fields.push_back(field);
-  if (const auto* rows = mesh.find_cell_field(mesh::level0_cell_field)) copy.cell_fields.push_back(*rows);
+  for (const auto* name : {mesh::level0_cell_field, mesh::inner_patch_field})
+    if (const auto* field = mesh.find_cell_field(name)) copy.cell_fields.push_back(*field);
   return copy;
 }
 

@@ -8,6 +8,7 @@
 #include "pamr/refine/certify.hpp"
 #include "pamr/refine/close.hpp"
 #include "pamr/refine/fine_nodes.hpp"
+#include "pamr/refine/inner_faces.hpp"
 #include "pamr/refine/integrals.hpp"
 #include "pamr/refine/project.hpp"
 #include "pamr/refine/relink.hpp"
@@ -89,7 +90,9 @@ Split split_pass(const par::Comm& comm, const Closed& closed, StepTimer& timer) 
   nodes.position = std::move(settled.position);
   timer.lap("project");
   auto links = refine::relink(comm, old, children, nodes.global);
+  auto inner_patches = refine::inner_patches_of_children(old, children);
   auto fine = put_together(old, info, std::move(nodes), std::move(children), std::move(links));
+  if (inner_patches) fine.cell_fields.push_back(std::move(*inner_patches));
   timer.lap("relink");
   return {std::move(fine), std::move(numbering), std::move(settled.certificate)};
 }
@@ -101,6 +104,7 @@ Result transfer_pass(Closed closed, Split split, const refine::Options& options)
   auto fields = refine::transfer(old, fine.cell_to_node, split.certificate, options);
   refine::keep_integrals(old, fine, options.integrals, fields.of_cells);
   fine.node_fields = std::move(fields.of_nodes);
+  for (auto& inner_patches : fine.cell_fields) fields.of_cells.push_back(std::move(inner_patches));
   fine.cell_fields = std::move(fields.of_cells);
 
   auto& report = closed.report;

@@ -12,6 +12,7 @@
 #include "pamr/base/error.hpp"
 #include "pamr/base/hash.hpp"
 #include "pamr/mesh/box_of_nodes.hpp"
+#include "pamr/mesh/inner_patches.hpp"
 #include "pamr/mesh/plane_fit.hpp"
 #include "pamr/mesh/tet.hpp"
 #include "pamr/mesh/undescribed_patches.hpp"
@@ -66,19 +67,19 @@ double angle_between(geometry::Vec3 a, geometry::Vec3 b) {
   return std::atan2(across, along) * 180 / std::numbers::pi;
 }
 
-/// Patch of a face slot; -1 when the slot is no patch of the mesh.
-std::ptrdiff_t patch_of(const mesh::DistMesh& mesh, LocalId slot) {
-  if (slot >= 0) return -1;
-  const std::ptrdiff_t patch = mesh::slot_to_patch(slot);
-  return patch < std::ssize(mesh.info.patches) ? patch : -1;
+/// Patch of a face of the boundary or inside, of the latter from one side; -1 where it has none of the mesh's.
+std::ptrdiff_t patch_of(const mesh::DistMesh& mesh, const mesh::InnerPatches& patches, mesh::CellFace face) {
+  const std::ptrdiff_t patch = patches.of_any(face);
+  return patch < std::ssize(mesh.info.patches) && patches.is_first_side(face) ? patch : -1;
 }
 
 /// Local nodes of each patch, each once.
 std::vector<std::vector<LocalId>> nodes_of_patches(const mesh::DistMesh& mesh) {
   std::vector<std::vector<LocalId>> nodes(mesh.info.patches.size());
+  const mesh::InnerPatches patches(mesh);
   for (std::size_t cell = 0; cell < mesh.cell_to_cell.size(); ++cell)
     for (std::size_t face = 0; face < 4; ++face) {
-      const auto patch = patch_of(mesh, mesh.cell_to_cell[cell][face]);
+      const auto patch = patch_of(mesh, patches, {static_cast<LocalId>(cell), static_cast<int>(face)});
       if (patch < 0) continue;
       auto& of_patch = nodes[static_cast<std::size_t>(patch)];
       for (const int corner : mesh::tet::face_to_corner[face])
@@ -136,9 +137,10 @@ std::vector<PatchReport> measure_patches(const par::Comm& comm, const mesh::Dist
   std::vector<par::ExactSum> area(n_patches), turned_area(n_patches);
   std::vector<double> worst_turn(n_patches, 0);
   std::vector<std::int64_t> faces(n_patches, 0);
+  const mesh::InnerPatches patches(mesh);
   for (LocalId cell = 0; cell < mesh.n_cells(); ++cell)
     for (std::size_t face = 0; face < 4; ++face) {
-      const auto patch = patch_of(mesh, mesh.cell_to_cell[static_cast<std::size_t>(cell)][face]);
+      const auto patch = patch_of(mesh, patches, {cell, static_cast<int>(face)});
       if (patch < 0) continue;
       const auto p = static_cast<std::size_t>(patch);
       const auto facet = facet_of(mesh, cell, face);

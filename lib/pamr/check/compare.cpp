@@ -12,6 +12,7 @@
 
 #include "pamr/check/match_nodes.hpp"
 #include "pamr/check/pair_rows.hpp"
+#include "pamr/mesh/inner_patches.hpp"
 
 namespace pamr::check {
 
@@ -52,6 +53,7 @@ FieldPlan plan_fields(const std::string& on, const std::vector<mesh::Field>& a, 
     plan.missing.push_back({"field " + name, fmt::format("{} field \"{}\" {}", on, name, how), 1});
   };
   for (const auto& field : a) {
+    if (mesh::is_inner_patch_field(field)) continue;  // compared as patches
     const auto* other = find(b, field.name);
     if (other == nullptr) {
       differ(field.name, "is in the first mesh only");
@@ -69,7 +71,8 @@ FieldPlan plan_fields(const std::string& on, const std::vector<mesh::Field>& a, 
     }
   }
   for (const auto& field : b)
-    if (find(a, field.name) == nullptr) differ(field.name, "is in the second mesh only");
+    if (find(a, field.name) == nullptr && !mesh::is_inner_patch_field(field))
+      differ(field.name, "is in the second mesh only");
   return plan;
 }
 
@@ -131,11 +134,12 @@ Rows node_rows(const mesh::DistMesh& mesh, const std::vector<GlobalId>& match, c
   return rows;
 }
 
-/// Columns: the patch across from each corner, corners in the order of the keys (0: a neighbor); kind, level and state
+/// Columns: the patch across from each corner, corners in the order of the keys (0: none); kind, level and state
 /// of the family; fields.
 Rows cell_rows(const mesh::DistMesh& mesh, const std::vector<GlobalId>& match,
                const std::vector<std::int64_t>& patch_words, const FieldPlan& plan, FieldOf side) {
   Rows rows{4, {}};
+  const mesh::InnerPatches patches(mesh);
   for (std::size_t cell = 0; cell < mesh.cell_to_node.size(); ++cell) {
     std::array<GlobalId, 4> key{};
     for (std::size_t i = 0; i < 4; ++i) key[i] = match[static_cast<std::size_t>(mesh.cell_to_node[cell][i])];
@@ -144,8 +148,8 @@ Rows cell_rows(const mesh::DistMesh& mesh, const std::vector<GlobalId>& match,
     for (const auto i : order) rows.word.push_back(word(key[i]));
     rows.word.push_back(word(mesh.cell_global[cell]));
     for (const auto i : order) {
-      const LocalId slot = mesh.cell_to_cell[cell][i];
-      rows.word.push_back(slot >= 0 ? 0U : word(patch_words[static_cast<std::size_t>(mesh::slot_to_patch(slot))]));
+      const int patch = patches.of_any({static_cast<LocalId>(cell), static_cast<int>(i)});
+      rows.word.push_back(patch < 0 ? 0U : word(patch_words[static_cast<std::size_t>(patch)]));
     }
     const auto lineage = mesh.lineage[cell];
     rows.word.push_back(static_cast<std::uint64_t>(lineage.kind()) << 16U | word(lineage.level()) << 1U |

@@ -8,8 +8,10 @@
 
 #include "pamr/base/memory.hpp"
 #include "pamr/geometry/tet_shape.hpp"
+#include "pamr/mesh/inner_patches.hpp"
 #include "pamr/mesh/level0_key.hpp"
 #include "pamr/mesh/undescribed_patches.hpp"
+#include "pamr/refine/inner_faces.hpp"
 #include "pamr/refine/transfer.hpp"
 
 namespace pamr::coarsen {
@@ -151,6 +153,22 @@ mesh::CellField carry_cell_field(const mesh::DistMesh& old, std::span<const Grou
   return carried;
 }
 
+/// Patches of inner faces: a parent has those that its cells show on its faces. `field`: `mesh::inner_patch_field`.
+mesh::CellField carry_inner_patches(const mesh::DistMesh& old, std::span<const Group> groups, const NewPlaces& places,
+                                    const mesh::DistMesh& coarse, const mesh::CellField& field) {
+  auto word = copy_rows(field.integer(), places, coarse.cell_to_node.size(), 1);
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    std::int64_t parent = 0;
+    for_each_outer_face(old, groups[g], [&](LocalId cell, int slot, int face) {
+      if (const int patch = mesh::inner_patch(field.integer()[at(cell)], slot); patch >= 0)
+        parent = mesh::with_inner_patch(parent, face, patch);
+    });
+    const auto now = refine::inner_patches_of_children(parent, refine::split_pattern[groups[g].now]);
+    std::copy_n(now.begin(), n_cells_now(groups[g]), word.begin() + places.first_of_group[g]);
+  }
+  return {field.name, "", 1, mesh::StorageType::int64, std::move(word)};
+}
+
 geometry::Vec3 centroid(const mesh::DistMesh& mesh, LocalId cell) {
   geometry::Vec3 sum;
   for (const auto p : mesh.points(cell)) sum = sum + 0.25 * p;
@@ -184,7 +202,9 @@ void carry_fields(const par::Comm& comm, const mesh::DistMesh& old, std::span<co
   for (const auto& field : old.cell_fields)
     if (!is_one_of(field.name, rules.left_out) && field.name != mesh::level0_cell_field)
       coarse.cell_fields.push_back(
-          carry_cell_field(old, groups, places, coarse, field, is_one_of(field.name, rules.integrals)));
+          mesh::is_inner_patch_field(field)
+              ? carry_inner_patches(old, groups, places, coarse, field)
+              : carry_cell_field(old, groups, places, coarse, field, is_one_of(field.name, rules.integrals)));
   const auto& number = numbers_of(old);
   coarse.cell_origin = copy_rows(number, places, coarse.cell_to_node.size(), 1);
   for (std::size_t g = 0; g < groups.size(); ++g)

@@ -12,20 +12,21 @@
 #include "pamr/curved/level0_edges.hpp"
 #include "pamr/geometry/surface.hpp"
 #include "pamr/mesh/borders.hpp"
+#include "pamr/mesh/inner_patches.hpp"
 #include "pamr/mesh/tet.hpp"
 
 namespace pamr::curved {
 
 namespace {
 
-/// Whether an edge of a boundary face bulges by more than this part of it. Looks at every `stride`-th cell.
+/// Whether an edge of a face with a patch bulges by more than this part of it. Looks at every `stride`-th cell.
 bool has_bulging_face(const mesh::DistMesh& mesh, double least, GlobalId stride) {
+  const mesh::InnerPatches patches(mesh);
   for (LocalId c = 0; c < mesh.n_cells(); ++c) {
     if (mesh.cell_global[at(c)] % stride != 0) continue;
     for (std::size_t f = 0; f < 4; ++f) {
-      const auto slot = mesh.cell_to_cell[at(c)][f];
-      if (slot >= 0) continue;
-      const auto* surface = mesh.info.surface_of(mesh::slot_to_patch(slot));
+      const int patch = patches.of_any({c, static_cast<int>(f)});
+      const auto* surface = patch < 0 ? nullptr : mesh.info.surface_of(patch);
       if (surface == nullptr || surface->is_flat()) continue;
       const auto& corner = mesh::tet::face_to_corner[f];
       for (std::size_t k = 0; k < 3; ++k) {

@@ -18,6 +18,7 @@
 #include "pamr/curved/optimize_bulges.hpp"
 #include "pamr/mesh/borders.hpp"
 #include "pamr/mesh/cell_runs.hpp"
+#include "pamr/mesh/inner_patches.hpp"
 #include "pamr/mesh/level0_map.hpp"
 #include "pamr/mesh/offsets.hpp"
 #include "pamr/mesh/periodic_patches.hpp"
@@ -192,7 +193,8 @@ struct BentCells {
   GlobalId n_global = 0;
 };
 
-mesh::Level0Cell make_row(const Level0& level0, LocalId c, std::array<LocalId, 6>& edges) {
+mesh::Level0Cell make_row(const Level0& level0, const mesh::InnerPatches& patches, LocalId c,
+                          std::array<LocalId, 6>& edges) {
   const auto& mesh = level0.mesh;
   std::array<std::size_t, 4> order{0, 1, 2, 3};
   const auto points = mesh.points(c);
@@ -204,10 +206,8 @@ mesh::Level0Cell make_row(const Level0& level0, LocalId c, std::array<LocalId, 6
     row.node[i] = mesh.node_global[at(node)];
     row.corner[i] = points[order[i]];
     if (level0.is_bent[at(node)] != 0) row.bent_corners = static_cast<std::uint8_t>(row.bent_corners | 1U << i);
-    const auto slot = mesh.cell_to_cell[at(c)][order[i]];
-    if (slot >= 0) continue;
-    const auto* surface = level0.nodes.info.surface_of(mesh::slot_to_patch(slot));
-    if (is_curved(surface)) row.face_patch[i] = mesh::slot_to_patch(slot);
+    const int patch = patches.of_any({c, static_cast<int>(order[i])});
+    if (patch >= 0 && is_curved(level0.nodes.info.surface_of(patch))) row.face_patch[i] = patch;
   }
   for (std::size_t e = 0; e < 6; ++e) {
     const auto [a, b] = edge_to_corner[e];
@@ -229,6 +229,7 @@ mesh::Level0Cell make_row(const Level0& level0, LocalId c, std::array<LocalId, 6
 /// Collective.
 BentCells find_bent_cells(const Level0& level0) {
   const auto& mesh = level0.mesh;
+  const mesh::InnerPatches patches(mesh);
   BentCells bent;
   std::vector<std::uint8_t> counts(at(mesh.n_cells()), 0);
   for (LocalId c = 0; c < mesh.n_cells(); ++c)
@@ -238,7 +239,7 @@ BentCells find_bent_cells(const Level0& level0) {
   for (LocalId c = 0; c < mesh.n_cells(); ++c) {
     if (counts[at(c)] == 0) continue;
     bent.cell.push_back(c);
-    bent.row.push_back(make_row(level0, c, bent.edge.emplace_back()));
+    bent.row.push_back(make_row(level0, patches, c, bent.edge.emplace_back()));
     bent.row.back().row = first[at(c)];
   }
   bent.n_global = level0.comm.sum(std::ssize(bent.cell));

@@ -10,6 +10,7 @@
 #include "pamr/base/index.hpp"
 #include "pamr/geometry/surface.hpp"
 #include "pamr/mesh/field.hpp"
+#include "pamr/mesh/inner_patches.hpp"
 #include "pamr/mesh/tet.hpp"
 #include "pamr/mesh/undescribed_patches.hpp"
 #include "pamr/par/exchange.hpp"
@@ -34,13 +35,14 @@ WallNodes measure(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh:
   nodes.distance.assign(at(mesh.n_nodes()), 0.0);
   nodes.is_held.assign(at(mesh.n_nodes()), 0);
   const auto info = mesh::with_planes(mesh.info, mesh::find_undescribed_patches(comm, mesh, borders));
+  const mesh::InnerPatches patches(mesh);
   std::vector<int> measured(at(mesh.n_nodes()), -1);  // the patch of the last face that asked
   for (LocalId c = 0; c < mesh.n_cells(); ++c)
     for (std::size_t f = 0; f < 4; ++f) {
-      const auto next = mesh.cell_to_cell[at(c)][f];
-      if (next >= 0) continue;
-      const int patch = mesh::slot_to_patch(next);
+      const int patch = patches.of_any({c, static_cast<int>(f)});
+      if (patch < 0) continue;
       const auto* surface = info.surface_of(patch);
+      if (surface == nullptr && mesh.cell_to_cell[at(c)][f] >= 0) continue;
       const auto& corner = mesh::tet::face_to_corner[f];
       if (surface == nullptr)
         for (const auto k : corner) nodes.is_held[at(mesh.cell_to_node[at(c)][at(k)])] = 1;

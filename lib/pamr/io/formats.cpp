@@ -28,6 +28,7 @@
 #include "pamr/io/ugrid/write_ugrid.hpp"
 #include "pamr/io/vtk/read_legacy_vtk.hpp"
 #include "pamr/io/vtk/read_vtu.hpp"
+#include "pamr/mesh/inner_patches.hpp"
 
 namespace pamr::io {
 
@@ -56,7 +57,8 @@ const std::vector<Format> table{
          [](const Comm& comm, const Path& file, const mesh::DistMesh& mesh, const Write& o) {
            write_native(comm, file, mesh, {.provenance = o.provenance, .format = o.format, .remark = o.remark});
          },
-     .is_native = true},
+     .is_native = true,
+     .has_inner_patches = true},
     {.name = "Gmsh",
      .endings = {".msh"},
      .read = [](const Comm& comm, const Path& file,
@@ -68,6 +70,7 @@ const std::vector<Format> table{
            write_gmsh(comm, file, mesh, how, o.second_order);
          },
      .has_elements = true,
+     .has_inner_patches = true,
      .has_interfaces = true,
      .has_second_order = true,
      .has_text = true},
@@ -78,6 +81,7 @@ const std::vector<Format> table{
      .write = [](const Comm& comm, const Path& file, const mesh::DistMesh& mesh,
                  const Write& o) { write_vtu(comm, file, mesh, o.second_order); },
      .has_elements = true,
+     .has_inner_patches = true,
      .has_second_order = true},
     {.name = "legacy VTK",
      .endings = {".vtk"},
@@ -95,6 +99,7 @@ const std::vector<Format> table{
      .write = [](const Comm& comm, const Path& file, const mesh::DistMesh& mesh,
                  const Write& o) { write_medit(comm, file, mesh, o.gmsh.interfaces); },
      .has_elements = true,
+     .has_inner_patches = true,
      .has_interfaces = true,
      .has_solutions = true},
     {.name = "MFEM",
@@ -140,7 +145,8 @@ const std::vector<Format> table{
      .write = [](const Comm& comm, const Path& file, const mesh::DistMesh& mesh,
                  const Write& o) { write_foam(comm, file, mesh, o.remark); },
      .has_elements = true,
-     .is_folder = true},
+     .is_folder = true,
+     .has_inner_patches = true},
 };
 
 std::string list(const std::vector<std::string_view>& endings, std::string_view before_last) {
@@ -226,7 +232,15 @@ ElementMesh read_mesh(const Comm& comm, const Path& file, const MeshReadOptions&
 }
 
 void write_mesh(const Comm& comm, const Path& file, const mesh::DistMesh& mesh, const MeshWriteOptions& options) {
-  format_to_write(comm, file).write(comm, file, mesh, options);
+  const auto& format = format_to_write(comm, file);
+  format.write(comm, file, mesh, options);
+  if (format.has_inner_patches || format.is_surface || !options.remark) return;
+  const auto n_faces = mesh::count_inner_faces(comm, mesh);
+  for (std::size_t p = 0; p < n_faces.size(); ++p)
+    if (const auto n = n_faces[p]; n > 0)
+      options.remark(fmt::format("{} {} inside of '{}' {} left out: files of {} have no place for {}", n,
+                                 n == 1 ? "face" : "faces", mesh.info.patches[p].name, n == 1 ? "is" : "are",
+                                 format.name, n == 1 ? "it" : "them"));
 }
 
 }  // namespace pamr::io

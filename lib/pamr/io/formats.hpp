@@ -52,6 +52,7 @@ struct Format {
   bool has_elements = false;  ///< read element by element (`mesh_of_elements`): of another program, of level 0
   bool is_surface = false;    ///< holds the boundary alone
   bool is_folder = false;
+  bool has_inner_patches = false;                         ///< has a place for patches of faces inside
   bool has_interfaces = false, has_second_order = false;  ///< can be written with these
   bool has_text = false;                                  ///< `GmshWriteOptions` hold
   bool has_solutions = false;                             ///< has fields in a `.sol` beside the mesh
@@ -82,7 +83,7 @@ std::string list_endings(const Format& format, std::string_view before_last);
 /// same `Error` on every rank.
 ElementMesh read_mesh(const par::Comm& comm, const std::filesystem::path& file, const MeshReadOptions& options = {});
 
-/// Writes a mesh. The bytes do not depend on the number of ranks. Collective; throws the same `Error` on every rank,
+/// Writes a mesh. What the format has no place for is told to `options.remark`: patches of faces inside. The bytes do not depend on the number of ranks. Collective; throws the same `Error` on every rank,
 /// and leaves nothing behind then.
 void write_mesh(const par::Comm& comm, const std::filesystem::path& file, const mesh::DistMesh& mesh,
                 const MeshWriteOptions& options = {});

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "pamr/base/index.hpp"
+#include "pamr/mesh/inner_patches.hpp"
 #include "pamr/mesh/region_faces.hpp"
 #include "pamr/par/gather_few.hpp"
 
@@ -40,7 +41,10 @@ std::vector<Pair> neighboring_regions(const par::Comm& comm, const std::vector<m
 
 TriangleGroups group_triangles(const par::Comm& comm, const mesh::DistMesh& mesh, Interfaces interfaces) {
   TriangleGroups groups;
-  for (const auto& patch : mesh.info.patches) groups.name.push_back(patch.name);
+  for (const auto& patch : mesh.info.patches) {
+    groups.name.push_back(patch.name);
+    groups.number.push_back(patch.number);
+  }
   groups.of_face.resize(mesh.cell_to_cell.size());
   for (std::size_t c = 0; c < groups.of_face.size(); ++c)
     for (std::size_t slot = 0; slot < 4; ++slot) {
@@ -48,7 +52,14 @@ TriangleGroups group_triangles(const par::Comm& comm, const mesh::DistMesh& mesh
       groups.of_face[c][slot] = neighbor < 0 ? mesh::slot_to_patch(neighbor) : -1;
     }
   if (interfaces == Interfaces::none) return groups;
-  const auto faces = mesh::faces_between_regions(comm, mesh);
+  const mesh::InnerPatches inner(mesh);
+  for (LocalId c = 0; c < (inner.is_empty() ? 0 : mesh.n_cells()); ++c)
+    for (int slot = 0; slot < 4 && inner.word(c) != 0; ++slot)
+      if (const int patch = inner.of({c, slot}); patch >= 0 && inner.is_first_side({c, slot}))
+        groups.of_face[at(c)][at(slot)] = patch;
+  if (interfaces == Interfaces::patches) return groups;
+  auto faces = mesh::faces_between_regions(comm, mesh);
+  std::erase_if(faces, [&inner](const mesh::RegionFace& one) { return inner.of(one.face) >= 0; });
   const auto pairs = neighboring_regions(comm, faces);
   for (const auto& pair : pairs) groups.name.push_back(interface_name(mesh.info, pair, groups.name));
   for (const auto& [face, region] : faces) {

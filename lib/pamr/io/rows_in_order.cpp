@@ -45,6 +45,7 @@ RowsInOrder rows_in_order(const par::Comm& comm, const mesh::DistMesh& mesh, con
       par::scatter_rows<std::array<GlobalId, 4>>(comm, mesh.info.cell_ids(), nodes, 1, mesh.cell_global);
   auto groups = group_triangles(comm, mesh, interfaces);
   rows.group_name = std::move(groups.name);
+  rows.patch_number = std::move(groups.number);
   rows.group =
       par::scatter_rows<std::array<std::int32_t, 4>>(comm, mesh.info.cell_ids(), groups.of_face, 1, mesh.cell_global);
   if (second_order == nullptr) return rows;

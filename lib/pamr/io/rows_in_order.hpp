@@ -25,6 +25,7 @@ struct RowsInOrder {
       cell_to_mid;                                 ///< mid-edge nodes, edges as in `mesh/tet.hpp`; of second order only
   std::vector<std::array<std::int32_t, 4>> group;  ///< of each face: an index into `group_name`, -1 for none
   std::vector<std::string> group_name;             ///< of patches, then of interfaces
+  std::vector<std::int64_t> patch_number;          ///< of patches: `mesh::Patch::number`
 
   /// The mid-edge node between two corners of a cell.
   GlobalId mid(std::size_t cell, int corner_a, int corner_b) const {

@@ -14,6 +14,7 @@
 #include "pamr/geometry/box.hpp"
 #include "pamr/mesh/borders.hpp"
 #include "pamr/mesh/find_patches.hpp"
+#include "pamr/mesh/inner_patches.hpp"
 #include "pamr/par/exchange.hpp"
 
 namespace pamr::mark {
@@ -30,14 +31,13 @@ Indicator cells_where(const mesh::DistMesh& mesh, Predicate&& holds) {
   return indicator;
 }
 
-/// What the cells have in the place of a neighbor at the patches for which the name stands.
-std::vector<LocalId> slots_of(const mesh::DistMesh& mesh, std::string_view name) {
+/// The patches for which the name stands.
+std::vector<int> patches_of(const mesh::DistMesh& mesh, std::string_view name) {
   const auto& patches = mesh.info.patches;
-  std::vector<LocalId> slots;
-  for (const int patch : mesh::find_patches(patches, std::string(name))) slots.push_back(mesh::patch_to_slot(patch));
-  if (!slots.empty()) return slots;
-  throw Error(fmt::format("expected the name of a boundary patch (the mesh has: {}), found \"{}\"",
-                          mesh::list_patches(patches), name));
+  auto named = mesh::find_patches(patches, std::string(name));
+  if (!named.empty()) return named;
+  throw Error(
+      fmt::format("expected the name of a patch (the mesh has: {}), found \"{}\"", mesh::list_patches(patches), name));
 }
 
 }  // namespace
@@ -68,11 +68,15 @@ Indicator centroid_in_box(const mesh::DistMesh& mesh, geometry::Vec3 low, geomet
 }
 
 Indicator near_patch(const par::Comm& comm, const mesh::DistMesh& mesh, std::string_view patch, Exact<int> layers) {
-  const auto slots = slots_of(mesh, patch);
+  const auto wanted_patches = patches_of(mesh, patch);
+  const mesh::InnerPatches patches(mesh);
   if (layers < 1) throw Error(fmt::format("expected at least 1 layer of cells, found {}", layers));
   auto indicator = cells_where(mesh, [&](LocalId cell) {
-    const auto& neighbors = mesh.cell_to_cell[at(cell)];
-    return std::find_first_of(neighbors.begin(), neighbors.end(), slots.begin(), slots.end()) != neighbors.end();
+    bool is_at = false;
+    for (int slot = 0; slot < 4; ++slot)
+      is_at = is_at || std::find(wanted_patches.begin(), wanted_patches.end(), patches.of_any({cell, slot})) !=
+                           wanted_patches.end();
+    return is_at;
   });
   if (layers == 1) return indicator;
 

@@ -24,11 +24,12 @@ class Level0Map;
 using CellNodes = std::array<LocalId, 4>;
 using CellNeighbors = std::array<LocalId, 4>;
 
-/// A named part of the boundary.
+/// A named part of the boundary, or of the faces inside (`inner_patches.hpp`).
 struct Patch {
   std::string name;
   std::string kind;
-  int surface = -1;  ///< that it lies on, an index into `MeshInfo::surfaces`; -1: none, nothing to project onto
+  int surface = -1;          ///< that it lies on, an index into `MeshInfo::surfaces`; -1: none, nothing to project onto
+  std::int64_t number = -1;  ///< that the user gave it: of a physical group, a reference, a tag; -1: none
   friend bool operator==(const Patch&, const Patch&) = default;
 };
 

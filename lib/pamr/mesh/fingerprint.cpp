@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "pamr/base/hash.hpp"
+#include "pamr/mesh/inner_patches.hpp"
 #include "pamr/par/sum_modulo.hpp"
 
 namespace pamr::mesh {
@@ -34,14 +35,15 @@ std::uint64_t fingerprint(const par::Comm& comm, const DistMesh& mesh) {
   std::vector<std::uint64_t> patch_hash;
   for (const auto& patch : mesh.info.patches) patch_hash.push_back(hash_of(patch.name));
 
+  const InnerPatches patches(mesh);
   std::uint64_t sum = 0;
   for (std::size_t c = 0; c < mesh.cell_to_node.size(); ++c) {
     std::uint64_t corners = 0, boundary = 0;
     for (std::size_t i = 0; i < 4; ++i) {
       const auto corner = node_hash[static_cast<std::size_t>(mesh.cell_to_node[c][i])];
-      const auto slot = mesh.cell_to_cell[c][i];
       corners += corner;
-      if (slot < 0) boundary += combine(corner, patch_hash[static_cast<std::size_t>(slot_to_patch(slot))]);
+      const int patch = patches.of_any({static_cast<LocalId>(c), static_cast<int>(i)});
+      if (patch >= 0) boundary += combine(corner, patch_hash[static_cast<std::size_t>(patch)]);
     }
     sum += combine(combine(combine(0, corners), boundary), state_of(mesh.lineage[c]));
   }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "pamr/base/index.hpp"
+#include "pamr/mesh/inner_patches.hpp"
 #include "pamr/mesh/tet.hpp"
 #include "pamr/par/exchange.hpp"
 
@@ -20,13 +21,14 @@ void add_patch(PatchList& list, int patch) {
 
 void add_patches_of_nodes(const par::Comm& comm, const DistMesh& mesh, const Borders& borders,
                           std::map<LocalId, PatchList>& patches) {
+  const InnerPatches inner(mesh);
   for (LocalId c = 0; c < mesh.n_cells(); ++c)
     for (int f = 0; f < 4; ++f) {
-      const auto next = mesh.cell_to_cell[at(c)][at(f)];
-      if (next >= 0) continue;
+      const int patch = inner.of_any({c, f});
+      if (patch < 0 || (mesh.cell_to_cell[at(c)][at(f)] >= 0 && mesh.info.patches[at(patch)].surface < 0)) continue;
       for (const auto corner : tet::face_to_corner[at(f)]) {
         const auto entry = patches.find(mesh.cell_to_node[at(c)][at(corner)]);
-        if (entry != patches.end()) add_patch(entry->second, slot_to_patch(next));
+        if (entry != patches.end()) add_patch(entry->second, patch);
       }
     }
   par::fold_shared(

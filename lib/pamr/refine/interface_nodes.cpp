@@ -7,7 +7,9 @@
 #include <limits>
 
 #include "pamr/base/index.hpp"
+#include "pamr/mesh/inner_patches.hpp"
 #include "pamr/mesh/region_faces.hpp"
+#include "pamr/mesh/tet.hpp"
 #include "pamr/par/exchange.hpp"
 
 namespace pamr::refine {
@@ -37,16 +39,20 @@ bool has_several(const par::Comm& comm, const std::vector<std::int64_t>& region)
 std::vector<LocalId> interface_nodes(const par::Comm& comm, const mesh::DistMesh& mesh, const Numbering& numbering,
                                      const par::Pattern& shared) {
   const auto* field = mesh::find_regions(mesh);
-  if (field == nullptr) return {};
-  const auto& region = field->integer();
-  if (!has_several(comm, region)) return {};
+  const mesh::InnerPatches patches(mesh);
+  const bool has_regions = field != nullptr && has_several(comm, field->integer());
+  if (!has_regions && patches.is_empty()) return {};
 
   std::vector<Regions> of_node(at(numbering.n_old_nodes) + numbering.n_new_nodes());
+  const auto add = [&](LocalId cell, int edge, const Regions& regions) {
+    if (const auto node = numbering.midpoint(cell, edge); node != invalid_local) of_node[at(node)].add(regions);
+  };
   for (LocalId c = 0; c < mesh.n_cells(); ++c) {
     if (numbering.row[at(c)] < 0) continue;
-    for (int e = 0; e < 6; ++e)
-      if (const auto node = numbering.midpoint(c, e); node != invalid_local)
-        of_node[at(node)].add({region[at(c)], region[at(c)]});
+    for (int e = 0; has_regions && e < 6; ++e) add(c, e, {field->integer()[at(c)], field->integer()[at(c)]});
+    for (int slot = 0; slot < 4 && patches.word(c) != 0; ++slot)
+      for (int e = 0; patches.of({c, slot}) >= 0 && e < 6; ++e)
+        if ((mesh::tet::face_edge_mask[at(slot)] >> e & 1) != 0) add(c, e, {lowest, highest});
   }
   par::fold_shared(par::Exchange(comm, shared), of_node,
                    [](Regions& mine, const Regions& theirs) { mine.add(theirs); });

@@ -13,6 +13,7 @@
 #include "pamr/base/memory.hpp"
 #include "pamr/base/prefetch.hpp"
 #include "pamr/mesh/cell_runs.hpp"
+#include "pamr/mesh/inner_patches.hpp"
 #include "pamr/mesh/local_size.hpp"
 #include "pamr/mesh/offsets.hpp"
 #include "pamr/mesh/ring.hpp"
@@ -41,8 +42,9 @@ void make_rows(const Closure& closure, Numbering& numbering) {
   assign_array(numbering.edge_to_node, at(n_rows), empty);
 }
 
-/// Patches met at the ends of an arc; those of a border edge are completed by the other ranks.
-class PatchPair {
+/// Patches of the boundary met at the ends of an arc, and of faces inside within it; those of a border edge are completed
+/// by the other ranks.
+class EdgePatches {
  public:
   void add(LocalId slot) {
     if (slot >= 0) return;
@@ -50,33 +52,42 @@ class PatchPair {
     (count_ == 0 ? patch_[0] : patch_[1]) = patch;
     ++count_;
   }
-  bool is_complete() const { return count_ == 2; }
-  std::array<int, 2> sorted() const { return {std::min(patch_[0], patch_[1]), std::max(patch_[0], patch_[1])}; }
-  int count() const { return count_; }
-  std::array<int, 2> raw() const { return patch_; }
-  void merge(const PatchPair& other) {
+  void add_inside(int patch) { mesh::add_patch(inside_, patch); }
+  bool is_complete() const { return count_ == 2 || inside_[0] >= 0; }
+  mesh::PatchList all() const {
+    auto list = inside_;
+    for (int i = 0; i < (count_ == 2 ? 2 : 0); ++i) mesh::add_patch(list, patch_[at(i)]);
+    return list;
+  }
+  void merge(const EdgePatches& other) {
     for (int i = 0; i < other.count_ && count_ < 2; ++i) {
       patch_[at(count_)] = other.patch_[at(i)];
       ++count_;
     }
+    for (const int patch : other.inside_) mesh::add_patch(inside_, patch);
   }
 
  private:
   std::array<int, 2> patch_{-1, -1};
   int count_ = 0;
+  mesh::PatchList inside_{-1, -1, -1, -1};
 };
 
 /// A border edge on its way over the ranks that share it: the lowest cell that anyone has at it, and its patches.
 struct SharedEdge {
   GlobalId lowest = std::numeric_limits<GlobalId>::max();
   int edge = 0;  ///< of the lowest cell
-  PatchPair patches;
+  EdgePatches patches;
 };
 
 class NodeMaker {
  public:
   NodeMaker(const mesh::DistMesh& mesh, const Closure& closure, Numbering& numbering)
-      : mesh_(mesh), closure_(closure), numbering_(numbering) {}
+      : mesh_(mesh), closure_(closure), numbering_(numbering), inner_(mesh) {
+    const auto& patches = mesh.info.patches;
+    has_surfaces_inside_ = !inner_.is_empty() && std::any_of(patches.begin(), patches.end(),
+                                                             [](const auto& patch) { return patch.surface >= 0; });
+  }
 
   LocalId make(LocalId cell, int edge) {
     const auto& nodes = mesh_.cell_to_node[at(cell)];
@@ -85,16 +96,20 @@ class NodeMaker {
     return narrow<LocalId>(static_cast<std::int64_t>(mesh_.n_nodes()) +
                            static_cast<std::int64_t>(numbering_.ends.size()) - 1);
   }
-  /// Gives the node to all cells of the arc; `lowest` becomes the first of them.
-  mesh::RingEnds give(LocalId node, mesh::CellEdge arc, mesh::CellEdge& lowest) {
+  /// Gives the node to all cells of the arc, whose patches are added; `lowest` becomes the first of them.
+  void give(LocalId node, mesh::CellEdge arc, mesh::CellEdge& lowest, EdgePatches& patches) {
     lowest = arc;
-    return mesh::walk_ring(mesh_, arc.cell, arc.edge, [&](LocalId c, int e) {
+    const auto ends = mesh::walk_ring(mesh_, arc.cell, arc.edge, [&](LocalId c, int e) {
       set(node, c, e);
       if (c < lowest.cell) lowest = {c, e};
+      if (has_surfaces_inside_) add_inside(c, e, patches);
     });
+    if (ends.is_closed) return;
+    patches.add(ends.first);
+    patches.add(ends.second);
   }
-  void note_boundary(LocalId node, const PatchPair& patches) {
-    if (patches.is_complete()) numbering_.boundary.push_back({node - mesh_.n_nodes(), patches.sorted()});
+  void note_boundary(LocalId node, const EdgePatches& patches) {
+    if (patches.is_complete()) numbering_.boundary.push_back({node - mesh_.n_nodes(), patches.all()});
   }
 
   /// Nodes of marked edges inside this rank's part, by ascending lowest cell.
@@ -106,12 +121,17 @@ class NodeMaker {
         const int e = std::countr_zero(marks);
         if (numbering_.midpoint(c, e) != invalid_local) continue;
         const auto node = make(c, e);
-        const auto ends = mesh::walk_ring(mesh_, c, e, [&](LocalId cell, int edge) { set(node, cell, edge); });
         ++counts.nodes[at(c)];
-        if (ends.is_closed) continue;
-        PatchPair patches;
-        patches.add(ends.first);
-        patches.add(ends.second);
+        EdgePatches patches;
+        if (has_surfaces_inside_) {
+          mesh::CellEdge lowest;
+          give(node, {c, e}, lowest, patches);
+        } else {
+          const auto ends = mesh::walk_ring(mesh_, c, e, [&](LocalId cell, int edge) { set(node, cell, edge); });
+          if (ends.is_closed) continue;
+          patches.add(ends.first);
+          patches.add(ends.second);
+        }
         note_boundary(node, patches);
       }
     }
@@ -120,6 +140,13 @@ class NodeMaker {
  private:
   void set(LocalId node, LocalId cell, int edge) {
     numbering_.edge_to_node[at(numbering_.row[at(cell)])][at(edge)] = node;
+  }
+  /// Those with a surface of the two faces of a cell at an edge.
+  void add_inside(LocalId cell, int edge, EdgePatches& patches) const {
+    if (inner_.word(cell) == 0) return;
+    for (const int slot : mesh::tet::edge_to_corner[at(mesh::tet::opposite_edge(edge))])
+      if (const int patch = inner_.of({cell, slot}); patch >= 0 && mesh_.info.patches[at(patch)].surface >= 0)
+        patches.add_inside(patch);
   }
   /// The cells at the faces, which walks from there come to first.
   void prefetch_behind(LocalId cell) const {
@@ -134,6 +161,8 @@ class NodeMaker {
   const mesh::DistMesh& mesh_;
   const Closure& closure_;
   Numbering& numbering_;
+  mesh::InnerPatches inner_;
+  bool has_surfaces_inside_ = false;
 };
 
 bool is_marked(const Closure& closure, const mesh::Borders& borders, std::size_t edge) {
@@ -160,11 +189,7 @@ std::vector<SharedEdge> make_shared(const par::Comm& comm, const mesh::DistMesh&
     node[i] = maker.make(borders.arcs(i).front().cell, borders.arcs(i).front().edge);
     for (const auto arc : borders.arcs(i)) {
       mesh::CellEdge lowest;
-      const auto ends = maker.give(node[i], arc, lowest);
-      if (!ends.is_closed) {
-        shared[i].patches.add(ends.first);
-        shared[i].patches.add(ends.second);
-      }
+      maker.give(node[i], arc, lowest, shared[i].patches);
       const auto global = mesh.cell_global[at(lowest.cell)];
       if (global < shared[i].lowest) {
         shared[i].lowest = global;

@@ -7,15 +7,17 @@
 #include "pamr/base/index.hpp"
 #include "pamr/mesh/borders.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
+#include "pamr/mesh/patch_list.hpp"
 #include "pamr/par/comm.hpp"
 #include "pamr/refine/closure.hpp"
 
 namespace pamr::refine {
 
-/// A new node on the boundary and the patches of the two boundary faces at its edge, the smaller first.
+/// A new node on the boundary or on a surface inside.
 struct BoundaryNode {
   LocalId new_node = 0;
-  std::array<int, 2> patch{};
+  /// Patches of the two boundary faces at its edge, and those with a surface of faces inside at it, without repeats.
+  mesh::PatchList patch{-1, -1, -1, -1};
 };
 
 /// New nodes and the global numbers of everything new. New node i has local id `n_old_nodes` + i in the refined mesh.

@@ -58,11 +58,12 @@ std::vector<bool> patches_to_look_at(const par::Comm& comm, const Walls& walls, 
     any_curved = any_curved || (surface[p] != nullptr && !surface[p]->is_flat());
   }
   if (any_without && any_curved) {
-    for (const auto& [new_node, patch] : numbering.boundary)
-      for (std::size_t k = 0; k < 2; ++k) {
-        const auto* other = surface[at(patch[1 - k])];
-        if (surface[at(patch[k])] == nullptr && other != nullptr && !other->is_flat()) is_wanted[at(patch[k])] = 1;
-      }
+    for (const auto& [new_node, patches] : numbering.boundary) {
+      const auto is_curved = [&](int p) { return p >= 0 && surface[at(p)] != nullptr && !surface[at(p)]->is_flat(); };
+      if (std::none_of(patches.begin(), patches.end(), is_curved)) continue;
+      for (const int p : patches)
+        if (p >= 0 && surface[at(p)] == nullptr) is_wanted[at(p)] = 1;
+    }
     comm.max_in_place(is_wanted);
   }
   std::vector<bool> result;
@@ -192,16 +193,16 @@ void project_new_nodes(const par::Comm& comm, const mesh::DistMesh& mesh, const 
   std::vector<OppositeVertices> opposite;
   if (std::find(is_wanted.begin(), is_wanted.end(), true) != is_wanted.end())
     opposite = find_opposite_vertices(comm, mesh, borders, numbering, is_wanted);
-  std::map<std::array<int, 2>, SurfacesOfNode> surfaces_of_pair;
+  std::map<PatchList, SurfacesOfNode> surfaces_of;
   for (std::size_t i = 0; i < numbering.boundary.size(); ++i) {
     const auto& boundary = numbering.boundary[i];
     const auto node = mesh.n_nodes() + boundary.new_node;
     while (next < end_of_mapped && movables[next].node < node) ++next;
     if (next < end_of_mapped && movables[next].node == node) continue;
-    const auto patch = patches_of(boundary);
-    auto known = surfaces_of_pair.find(boundary.patch);
-    if (known == surfaces_of_pair.end())
-      known = surfaces_of_pair.emplace(boundary.patch, surfaces_of_node(walls.info, walls.surfaces, patch)).first;
+    const auto& patch = boundary.patch;
+    auto known = surfaces_of.find(patch);
+    if (known == surfaces_of.end())
+      known = surfaces_of.emplace(patch, surfaces_of_node(walls.info, walls.surfaces, patch)).first;
     if (all_flat(known->second.surface)) continue;
     const auto [a, b] = numbering.ends[at(boundary.new_node)];
     movables.push_back(aim_new_node(node, {mesh.point(a), mesh.point(b)}, patch, known->second,
@@ -237,10 +238,6 @@ std::vector<Movable> project_off_surface(const par::Comm& comm, const mesh::Dist
 }
 
 }  // namespace
-
-PatchList patches_of(const BoundaryNode& boundary) {
-  return {boundary.patch[0], boundary.patch[1] == boundary.patch[0] ? -1 : boundary.patch[1], -1, -1};
-}
 
 std::vector<Movable> project(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::Borders& borders,
                              const Numbering& numbering, const Walls& walls) {

@@ -15,9 +15,6 @@ namespace pamr::refine {
 using mesh::surfaces_of_node;
 using mesh::SurfacesOfNode;
 
-/// Patches at a new node on the boundary.
-PatchList patches_of(const BoundaryNode& boundary);
-
 /// The patches of a mesh and the surfaces that their nodes are put onto. Only references.
 struct Walls {
   const mesh::MeshInfo& info;  ///< patches that lie in a plane have it (`mesh::with_planes`)
@@ -26,7 +23,8 @@ struct Walls {
 
 /// Where new nodes belong that a map of level 0 places, and boundary nodes.
 /// - New nodes whose place in level 0 is bent (`mesh::Level0Map`): where the map puts them, inside as on the boundary.
-/// - Other new nodes on edges that lie in the boundary: on the surface of their patch, on the common curve of two. Flat
+/// - Other new nodes on edges that lie in the boundary or in a face inside whose patch has a surface: on the surface of
+///   their patch, on the common curve of two, in the corner of three. Flat
 ///   surfaces move nothing. Edges along sharp edges inside the surface of their patch (`Creases::crease_between`) get
 ///   their node there, held.
 /// - Where a patch without a surface meets one with a surface in a sharp edge (`mesh::is_sharp_edge`): on the surface,

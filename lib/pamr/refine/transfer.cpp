@@ -9,6 +9,7 @@
 #include "pamr/base/index.hpp"
 #include "pamr/base/memory.hpp"
 #include "pamr/geometry/tet_shape.hpp"
+#include "pamr/mesh/inner_patches.hpp"
 #include "pamr/mesh/level0_key.hpp"
 #include "pamr/mesh/undescribed_patches.hpp"
 
@@ -213,7 +214,8 @@ Fields transfer(const NumberedMesh& old, const std::vector<mesh::CellNodes>& cel
 
   const auto parent = parents_of(old, cell_to_node);
   for (const auto& field : old.mesh.cell_fields)
-    if (field.name != options.marks_field && !(field.name == mesh::parent_field && options.parent_field))
+    if (field.name != options.marks_field && !mesh::is_inner_patch_field(field) &&
+        !(field.name == mesh::parent_field && options.parent_field))
       fields.of_cells.push_back(to_cells(old, parent, field));
   if (options.parent_field) fields.of_cells.push_back(numbers_of(parent, old.mesh));
   return fields;

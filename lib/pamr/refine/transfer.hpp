@@ -23,6 +23,7 @@ struct Fields {
 ///   that comes first by coordinates.
 /// - Cell fields: a child has its parent's value; the children of a family that was taken back have the volume-weighted
 ///   mean of its members (integers: the value of `parent`).
+/// - Patches of inner faces are not carried here, see `inner_faces.hpp`.
 /// - `level0_key` of a new node is the middle of those of the ends.
 /// - `off_surface` is made anew from the certificate; in `off_facets` old nodes keep their values, and new ones have
 ///   those of the certificate. The field of marks is dropped.

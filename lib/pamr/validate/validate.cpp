@@ -99,6 +99,7 @@ std::vector<Violation> validate(const par::Comm& comm, const mesh::DistMesh& mes
     check_own_neighbors(mesh, found);
     check_families(mesh, found);
     check_border(comm, mesh, found);
+    check_inner_patches(comm, mesh, found);
     check_shared(comm, mesh, found);
     check_boundary(comm, mesh, found);
   }

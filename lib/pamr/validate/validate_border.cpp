@@ -5,6 +5,8 @@
 
 #include "pamr/mesh/border_agrees.hpp"
 #include "pamr/mesh/face_groups.hpp"
+#include "pamr/mesh/inner_patches.hpp"
+#include "pamr/mesh/ring.hpp"
 #include "pamr/par/exchange.hpp"
 #include "pamr/validate/validate_cells.hpp"
 
@@ -70,6 +72,28 @@ void check_border(const par::Comm& comm, const mesh::DistMesh& mesh, Findings& f
         findings.add(Invariant::border_matches, number_of(mesh, c));
     }
   if (comm.any(!sides_agree(comm, mesh))) find_differences(comm, mesh, findings);
+}
+
+void check_inner_patches(const par::Comm& comm, const mesh::DistMesh& mesh, Findings& findings) {
+  const auto* field = mesh.find_cell_field(mesh::inner_patch_field);
+  if (!comm.any(field != nullptr)) return;
+  const bool is_sound = field != nullptr && field->holds_integers() && field->integer().size() == at(mesh.n_cells());
+  if (!is_sound) findings.add(Invariant::inner_patches_agree, -1);
+  if (comm.any(!is_sound)) return;
+  const mesh::InnerPatches inner(mesh);
+  for (LocalId c = 0; c < mesh.n_cells(); ++c)
+    for (int slot = 0; slot < 4 && inner.word(c) != 0; ++slot) {
+      const int patch = inner.of({c, slot});
+      if (patch < 0) continue;
+      if (at(patch) >= mesh.info.patches.size()) findings.add(Invariant::patches_in_range, number_of(mesh, c));
+      const auto next = slot_at(mesh, {c, slot});
+      const bool agrees = mesh.is_ghost(next) ||
+                          (next >= 0 && inner.of({next, mesh::slot_of(mesh.cell_to_cell[at(next)], c)}) == patch);
+      if (!agrees) findings.add(Invariant::inner_patches_agree, number_of(mesh, c));
+    }
+  const bool sides_agree = mesh::border_agrees(
+      comm, mesh, [&](std::size_t k, bool) { return static_cast<std::uint64_t>(inner.of(mesh.border_face[k]) + 1); });
+  if (!sides_agree) findings.add(Invariant::inner_patches_agree, -1);
 }
 
 }  // namespace pamr::validate

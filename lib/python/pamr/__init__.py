@@ -29,10 +29,10 @@ Collective
 from . import mark, openfoam
 from ._core import Error, version as __version__
 from .interop import from_dolfinx, from_meshio, to_dolfinx
-from .mesh import BoundaryFaces, Fields, Mesh
+from .mesh import BoundaryFaces, Fields, InnerFaces, Mesh
 from .stages import RefineResult, adapt, balance, forecast, locate, quality, refine
 from .surfaces import Cone, Cylinder, File, Plane, Sphere, Surface, Toml, Torus
 
-__all__ = ["BoundaryFaces", "Cone", "Cylinder", "Error", "Fields", "File", "Mesh", "Plane", "RefineResult", "Sphere",
+__all__ = ["BoundaryFaces", "Cone", "Cylinder", "Error", "Fields", "File", "InnerFaces", "Mesh", "Plane", "RefineResult", "Sphere",
            "Surface", "Toml", "Torus", "adapt", "balance", "forecast", "from_dolfinx", "from_meshio", "locate", "mark", "openfoam",
            "quality", "refine", "to_dolfinx"]

@@ -56,8 +56,8 @@ def _outline(fields: Mapping[str, np.ndarray]) -> dict:
 
 
 def from_dolfinx(mesh: Any, facet_tags: Any = None, names: Optional[Mapping[int, str]] = None, cell_tags: Any = None) -> Mesh:
-    """A mesh from a ``dolfinx.mesh.Mesh`` of tetrahedra of first order, with facet tags (``MeshTags`` of dimension 2 on the
-    boundary) as patches and cell tags as the cell field "region". Collective.
+    """A mesh from a ``dolfinx.mesh.Mesh`` of tetrahedra of first order, with facet tags (``MeshTags`` of dimension 2, on the
+    boundary or inside) as patches and cell tags as the cell field "region". Collective.
 
     Row c of ``cells`` is dolfinx's cell c of this rank, and ``node_numbers`` are the numbers of dolfinx's geometry, so that
     values go over by ``values[c]`` and by number; ghosts are left out.
@@ -93,14 +93,30 @@ def from_dolfinx(mesh: Any, facet_tags: Any = None, names: Optional[Mapping[int,
 class DolfinxMesh(NamedTuple):
     """What ``to_dolfinx`` gives; arrays are of this rank."""
     mesh: Any                #: dolfinx.mesh.Mesh
-    facet_tags: Any          #: MeshTags of dimension 2: of each face of the boundary the index of its patch
+    facet_tags: Any          #: MeshTags of dimension 2: of each face of the boundary, or inside, its patch as in ``names``
     cell_rows: np.ndarray    #: row of ``pamr.Mesh.cells`` of each of dolfinx's own cells
     node_numbers: np.ndarray  #: number in the pamr mesh of each node of dolfinx's geometry, ghosts too
+    names: dict[int, str]    #: of the facet tags: the patches' own numbers, the lowest free ones for patches without one
+    cell_tags: Any           #: MeshTags of dimension 3: the cell field "region" where it is not 0; None without the field
+
+
+def _tags_of_patches(mesh: Mesh) -> dict[int, int]:
+    """The tag of each patch by index. Where patches have numbers, faces that had no tag come back without one."""
+    numbers = mesh.patch_numbers
+    tags: dict[int, int] = {}
+    for patch, number in enumerate(numbers):
+        if 0 <= number < 2**31 and number not in tags.values():
+            tags[patch] = number
+    free = (number for number in range(2**31) if number not in tags.values())
+    for patch, name in enumerate(mesh.patches):
+        if patch not in tags and not (tags and numbers[patch] < 0 and name == "boundary"):
+            tags[patch] = next(free)
+    return tags
 
 
 def to_dolfinx(mesh: Mesh) -> DolfinxMesh:
     """A ``dolfinx.mesh.Mesh`` of the same cells on the same ranks, with the cells behind the faces of the rank border as ghosts, and
-    with its patches as facet tags. Collective."""
+    with its patches as facet tags and its regions as cell tags. Collective."""
     import dolfinx
     from . import dolfinx_versions as versions
     comm = mesh.comm
@@ -116,18 +132,30 @@ def to_dolfinx(mesh: Mesh) -> DolfinxMesh:
     rows = np.asarray(theirs.topology.original_cell_index)[:n_cells] - first
     nodes = np.asarray(theirs.geometry.input_global_indices)
 
-    # Facets of one cell; those of ghost cells are among them, which are no faces of ours.
     theirs.topology.create_connectivity(2, 0)
     theirs.topology.create_connectivity(2, 3)
-    to_cells = theirs.topology.connectivity(2, 3)
-    facets = np.flatnonzero(np.diff(to_cells.offsets) == 1)
+    faces, inside = mesh.boundary_faces(), mesh.inner_faces()
+    ours = np.sort(mesh.node_numbers[np.concatenate([faces.nodes, inside.nodes])], axis=1)
+    tags = _tags_of_patches(mesh)
+    patches = np.concatenate([faces.patches, inside.patches])
+    tag_of = dict(zip(map(tuple, ours.tolist()), [tags.get(patch, -1) for patch in patches.tolist()]))
+    # Facets of one cell, where those of ghost cells are no faces of ours, and those of which all nodes are nodes of faces inside.
+    n_cells_at = np.diff(theirs.topology.connectivity(2, 3).offsets)
+    facets = np.flatnonzero(n_cells_at == 1) if len(inside.cells) == 0 else np.arange(len(n_cells_at))
     of_facets = np.sort(nodes[versions.facet_nodes(theirs, np.asarray(facets, dtype=np.int32))], axis=1)
-    faces = mesh.boundary_faces()
-    ours = np.sort(mesh.node_numbers[faces.nodes], axis=1)
-    patch = dict(zip(map(tuple, ours.tolist()), faces.patches.tolist()))
-    values = np.array([patch.get(face, -1) for face in map(tuple, of_facets.tolist())], dtype=np.int32)
+    if len(inside.cells):
+        chosen = (n_cells_at == 1) | np.isin(of_facets, ours[len(faces.cells):]).all(axis=1)
+        facets, of_facets = facets[chosen], of_facets[chosen]
+    values = np.array([tag_of.get(face, -1) for face in map(tuple, of_facets.tolist())], dtype=np.int32)
     facets, values = facets[values >= 0], values[values >= 0]
-    return DolfinxMesh(theirs, dolfinx.mesh.meshtags(theirs, 2, np.asarray(facets, dtype=np.int32), values), rows, nodes)
+    facet_tags = dolfinx.mesh.meshtags(theirs, 2, np.asarray(facets, dtype=np.int32), values)
+    names = {tag: mesh.patches[patch] for patch, tag in tags.items()}
+    cell_tags = None
+    if "region" in mesh.cell_fields:
+        region = np.asarray(mesh.cell_fields["region"])[rows].astype(np.int32)
+        cells = np.flatnonzero(region != 0).astype(np.int32)
+        cell_tags = dolfinx.mesh.meshtags(theirs, 3, cells, region[cells])
+    return DolfinxMesh(theirs, facet_tags, rows, nodes, names, cell_tags)
 
 
 def _ranks_at_cells(mesh: Mesh) -> tuple[np.ndarray, np.ndarray]:

@@ -25,6 +25,16 @@ class BoundaryFaces(NamedTuple):
     nodes: np.ndarray    #: n x 3, rows of ``Mesh.points``, counter-clockwise from outside
 
 
+class InnerFaces(NamedTuple):
+    """The faces inside the domain that have a patch, from each cell of this rank that has one: a face between two of its cells is
+    there twice, n rows in all."""
+    cells: np.ndarray    #: n, rows of ``Mesh.cells``
+    faces: np.ndarray    #: n, 0 to 3: the face opposite this corner of the cell
+    patches: np.ndarray  #: n, indices into ``Mesh.patches``
+    nodes: np.ndarray    #: n x 3, rows of ``Mesh.points``, counter-clockwise from outside the cell
+    first: np.ndarray    #: n bool: the side of the cell with the lower number, so that each face of the mesh counts once
+
+
 class Fields(MutableMapping):
     """Fields on cells or on nodes by name: arrays of n values or n x k, float64 or int64, rows of this rank. What is read is
     the mesh's own memory and may be written to, until the field is set or deleted: the mesh then has other memory, and the array
@@ -97,11 +107,10 @@ class Mesh:
         comm: communicator of mpi4py.
         points: n x 3 floats. Their numbers run over the ranks: rank 0 has the first ones, and so on (none is fine).
         cells: m x 4 integers, numbers of points in the whole mesh; any cells on any rank, of positive volume (``cells``).
-        boundary: triangles (t x 3 numbers of points) and their tags (t integers), on any ranks, in any order. Faces of the
-            boundary without a triangle form the patch "boundary".
+        boundary: triangles (t x 3 numbers of points) and their tags (t integers), on any ranks, in any order, of faces on the
+            boundary or inside. Faces of the boundary without a triangle form the patch "boundary".
         names: of the tags: {tag: name} or {tag: (name, kind)}, the same on every rank; otherwise "patch_TAG".
-        cell_fields, node_fields: {name: values} for the cells and the points given here; an integer cell field "region" says
-            between which cells there may be triangles, which are no patch then.
+        cell_fields, node_fields: {name: values} for the cells and the points given here.
         order: put cells and nodes along a space-filling curve: "auto" (where it pays), "curve", "keep". ``cell_origin`` and
             ``node_origin`` say which row of the arrays each came from.
         repair: turn inverted cells over, with a warning. Without it they are refused, unless all cells are inverted. ``n_turned`` counts them.
@@ -294,8 +303,13 @@ class Mesh:
 
     @property
     def patches(self) -> list[str]:
-        """Names of the parts of the boundary."""
+        """Names of the patches: of parts of the boundary, and of faces inside."""
         return [name for name, _, _ in self._core.patches]
+
+    @property
+    def patch_numbers(self) -> list[int]:
+        """The numbers that the user gave the patches: physical groups, references, tags; -1 for those without one."""
+        return self._core.patch_numbers
 
     @property
     def regions(self) -> dict[int, str]:
@@ -335,6 +349,11 @@ class Mesh:
     def boundary_faces(self) -> BoundaryFaces:
         """The faces of this rank's cells on the boundary. Local."""
         return BoundaryFaces(*self._core.boundary_faces())
+
+    def inner_faces(self) -> InnerFaces:
+        """The faces inside that have a patch: sheets, interfaces, ports. Local."""
+        *faces, first = self._core.inner_faces()
+        return InnerFaces(*faces, first.astype(bool))
 
     def volumes(self) -> np.ndarray:
         """m float64: the volume of each cell. Local."""

@@ -9,7 +9,9 @@
 
 #include "pamr/assemble/assemble.hpp"
 #include "pamr/base/error.hpp"
+#include "pamr/mesh/face_groups.hpp"
 #include "pamr/mesh/fingerprint.hpp"
+#include "pamr/mesh/inner_patches.hpp"
 #include "pamr/mesh/tet.hpp"
 #include "pamr/order/order_along_curve.hpp"
 #include "support/dice.hpp"
@@ -134,20 +136,36 @@ TEST(TagBoundary, AcceptsTrianglesBesideNeighborsThatAgree) {
   EXPECT_THAT(error_of(comm, block), HasSubstr("expected one patch for each face, found '"));
 }
 
+TEST(TagBoundary, GivesFacesInsideTheirPatchesOnBothSides) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  const auto mesh = assemble(comm, cube_with(comm, {{{0, 3, 1}, 4}, {{0, 1, 7}, 2}, {{7, 0, 1}, 2}}));
+
+  const mesh::InnerPatches patches(mesh);
+  std::int64_t n_sides = 0;
+  for (LocalId c = 0; c < mesh.n_cells(); ++c)
+    for (int slot = 0; slot < 4; ++slot) {
+      if (patches.of({c, slot}) < 0) continue;
+      ++n_sides;
+      EXPECT_EQ(patches.of({c, slot}), 2);
+      EXPECT_EQ(mesh::face_key(mesh, {c, slot}), (par::SharedKey{0, 1, 7}));
+    }
+  EXPECT_EQ(comm.sum(n_sides), 2);
+  EXPECT_THAT(mesh::count_inner_faces(comm, mesh), testing::ElementsAre(0, 0, 1, 0, 0, 0, 0));
+}
+
 TEST(TagBoundary, SaysWhichTriangleIsWrongOnEveryRank) {
   const par::Comm comm(MPI_COMM_WORLD);
   const auto last = std::to_string(comm.size() - 1);
   const std::pair<Triangle, int> good{{0, 3, 1}, 4};
 
-  EXPECT_EQ(error_of(comm, cube_with(comm, {good, {{0, 1, 7}, 2}})),
-            "boundary triangle 1 of rank " + last +
-                ", nodes 0 1 7: expected a face of the boundary, found one inside, between cells 0 and 3");
   EXPECT_EQ(error_of(comm, cube_with(comm, {good, {{1, 2, 4}, 2}})),
-            "boundary triangle 1 of rank " + last +
-                ", nodes 1 2 4: expected a face of the boundary, found no cell with these nodes");
-  EXPECT_EQ(error_of(comm, cube_with(comm, {good, good, {{1, 0, 3}, 5}})),
-            "boundary triangle 2 of rank " + last +
-                ", nodes 1 0 3: expected one patch for each face, found 'zmax' beside 'zmin'");
+            "triangle 1 of rank " + last + ", nodes 1 2 4: expected a face of a cell, found no cell with these nodes");
+  EXPECT_EQ(
+      error_of(comm, cube_with(comm, {good, good, {{1, 0, 3}, 5}})),
+      "triangle 2 of rank " + last + ", nodes 1 0 3: expected one patch for each face, found 'zmax' beside 'zmin'");
+  EXPECT_EQ(
+      error_of(comm, cube_with(comm, {good, {{0, 1, 7}, 2}, {{1, 7, 0}, 5}})),
+      "triangle 2 of rank " + last + ", nodes 1 7 0: expected one patch for each face, found 'zmax' beside 'ymin'");
   EXPECT_THAT(error_of(comm, cube_with(comm, {good, {{1, 8, 3}, 5}})),
               HasSubstr("boundary triangle 1 of rank " + last + ": expected node numbers from 0 to 7, found 8"));
   EXPECT_THAT(error_of(comm, cube_with(comm, {good, {{1, 3, 3}, 5}})), HasSubstr("three different nodes, found 1 3 3"));

@@ -252,6 +252,19 @@ std::vector<Damage> damages_of_the_extension() {
     };
   };
   return {
+      {"InnerPatchIsReal",
+       [](const path& f) { write_dataset<double>(f, "/VTKHDF/CellData/inner_patch", {48}, std::vector<double>(48)); },
+       {"inner_patch", "one integer a row"}},
+      {"InnerPatchBeyond",
+       [](const path& f) {
+         write_dataset<std::int64_t>(f, "/VTKHDF/CellData/inner_patch", {48}, std::vector<std::int64_t>(48, 7));
+       },
+       {"field 'inner_patch'", "from 0 to 5, found 6"}},
+      {"PatchNumbersTooFew",
+       [](const path& f) {
+         write_dataset<std::int64_t>(f, "/PAMR/patches/numbers", {2}, {1, 2});
+       },
+       {"patches/numbers", "expected 6 numbers", "found 2"}},
       {"RegionsWithoutNames", regions({1}, {}), {"/PAMR/regions/names", "a dataset"}},
       {"MoreRegionsThanNames", regions({1, 2}, {"gas"}), {"/PAMR/regions/names", "2 texts", "found 1"}},
       {"RegionTwice", regions({2, 2}, {"gas", "solid"}), {"/PAMR/regions/numbers", "ascending", "2 after 2"}},

@@ -6,8 +6,11 @@
 
 #include "files.hpp"
 #include "hdf5_edit.hpp"
+#include "pamr/assemble/assemble.hpp"
 #include "pamr/assemble/kuhn_cube.hpp"
+#include "pamr/base/error.hpp"
 #include "pamr/mesh/fingerprint.hpp"
+#include "pamr/mesh/inner_patches.hpp"
 #include "support/meshes.hpp"
 
 namespace pamr {
@@ -61,6 +64,27 @@ TEST(NativeFile, ReadsBackEveryBitOfAMeshOnRandomRanks) {
   expect_same(test::gather(comm, read), expected);
   EXPECT_EQ(read.info.provenance, "made by a test");
   EXPECT_EQ(folder.n_entries(), 1U);
+}
+
+TEST(NativeFile, KeepsPatchesInsideAndNumbersOfPatches) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  const Folder folder(comm);
+  auto block = test::kuhn_cube(comm, 2);
+  block.cell_to_cell.clear();
+  block.boundary = {};
+  if (comm.is_first()) block.boundary = {{{0, 1, 13}}, {4}};  // inside the first cube
+  for (std::size_t p = 0; p < block.info.patches.size(); ++p)
+    block.info.patches[p].number = p == 2 ? -1 : 40 - std::int64_t(p);
+  const auto mesh = assemble::assemble(comm, std::move(block));
+  ASSERT_EQ(mesh::count_inner_faces(comm, mesh)[4], 1);
+
+  io::write_native(comm, folder / "a.hdf", mesh);
+  const auto read = assemble::assemble(comm, io::read_native(comm, folder / "a.hdf"));
+
+  EXPECT_EQ(read.info.patches, mesh.info.patches);
+  EXPECT_EQ(mesh::fingerprint(comm, read), mesh::fingerprint(comm, mesh));
+  EXPECT_EQ(mesh::count_inner_faces(comm, read), mesh::count_inner_faces(comm, mesh));
+  EXPECT_THROW(io::write_native(comm, folder / "b.hdf", mesh, {.format = 3}), Error);
 }
 
 TEST(NativeFile, ReadsTheSameInSmallPieces) {

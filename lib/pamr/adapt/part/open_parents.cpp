@@ -7,6 +7,7 @@
 
 #include "pamr/base/index.hpp"
 #include "pamr/mesh/field.hpp"
+#include "pamr/mesh/inner_patches.hpp"
 #include "pamr/refine/transfer.hpp"
 
 namespace pamr::adapt {
@@ -33,7 +34,7 @@ LocalId place_in(const InputCells& input, LocalId cell) {
 }
 
 bool depends_on_parent(const mesh::CellField& field, const refine::Options& options) {
-  return field.holds_integers() && field.name != options.marks_field &&
+  return field.holds_integers() && field.name != options.marks_field && !mesh::is_inner_patch_field(field) &&
          !(field.name == mesh::parent_field && options.parent_field);
 }
 

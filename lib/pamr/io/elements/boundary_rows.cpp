@@ -2,6 +2,7 @@
 #include "pamr/io/elements/boundary_rows.hpp"
 
 #include <charconv>
+#include <limits>
 #include <set>
 
 #include "pamr/base/index.hpp"
@@ -22,17 +23,20 @@ std::vector<BoundaryRow> boundary_rows(const RowsInOrder& rows) {
 }
 
 std::vector<std::int64_t> patch_numbers(const std::vector<std::string>& names, std::string_view prefix,
-                                        std::int64_t first) {
-  std::vector<std::int64_t> numbers;
+                                        std::int64_t first, const std::vector<std::int64_t>& own) {
+  std::vector<std::int64_t> numbers(names.size(), -1);
   std::set<std::int64_t> taken;
-  for (const auto& name : names) {
-    std::int64_t number = -1;
-    if (name.starts_with(prefix) && name.size() <= prefix.size() + 9) {
+  for (std::size_t i = 0; i < own.size(); ++i)
+    if (own[i] >= first && own[i] <= std::numeric_limits<std::int32_t>::max() && taken.insert(own[i]).second)
+      numbers[i] = own[i];
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const auto& name = names[i];
+    auto& number = numbers[i];
+    if (number < 0 && name.starts_with(prefix) && name.size() <= prefix.size() + 9) {
       const auto* end = name.data() + name.size();
       const auto [rest, error] = std::from_chars(name.data() + prefix.size(), end, number);
       if (error != std::errc{} || rest != end || number < first || !taken.insert(number).second) number = -1;
     }
-    numbers.push_back(number);
   }
   std::int64_t next = 1;
   for (auto& number : numbers) {

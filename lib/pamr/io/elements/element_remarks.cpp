@@ -46,12 +46,6 @@ std::vector<std::string> remarks_of(const ElementMesh& read) {
                                   overlap.kept, overlap.why_kept));
   remarks.insert(remarks.end(), read.remarks.begin(), read.remarks.end());
   add_unused_groups(read, remarks);
-  for (const auto& [group, n] : read.inner_faces)
-    remarks.push_back(
-        fmt::format("{} triangles of '{}' lie between two regions and are no patch: the field 'region' has what lies "
-                    "on either side, new nodes stay on these triangles, and pamr-convert --interfaces writes them to a "
-                    ".msh or .mesh",
-                    n, group));
   if (read.n_turned > 0) remarks.push_back(fmt::format("{} inverted cells were turned over", read.n_turned));
   if (read.n_dropped_nodes > 0)
     remarks.push_back(fmt::format("{} nodes of no cell were left out", read.n_dropped_nodes));
@@ -72,9 +66,6 @@ void refuse_changes(const ElementMesh& read, const std::string& source) {
     throw Error(fmt::format("{}: expected elements in one group each, found {} {} in '{}' and in '{}'", source,
                             one.n_elements, elements_of.at(static_cast<std::size_t>(one.dimension)), one.kept,
                             one.other));
-  for (const auto& [group, n] : read.inner_faces)
-    throw Error(fmt::format("{}: expected surfaces on the boundary, found {} triangles of '{}' between two regions",
-                            source, n, group));
   for (const auto& group : read.unused_groups)
     throw Error(
         group.n_elements > 0

@@ -19,6 +19,7 @@
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/io/text.hpp"
+#include "pamr/mesh/inner_patches.hpp"
 #include "pamr/mesh/region_faces.hpp"
 #include "pamr/order/order_along_curve.hpp"
 #include "pamr/par/exchange.hpp"
@@ -271,34 +272,29 @@ std::string first_misfit(const par::Comm& comm, const ElementParts& parts, const
   return fmt::format(", the first with nodes {}, {} and {} in '{}'", a, b, c, patch_of_group(found.front().group).name);
 }
 
-/// Gives boundary faces the patches of the triangles on them; faces without triangle get `untagged`. Collective.
-assemble::BoundaryMatch tag_faces(const par::Comm& comm, mesh::DistMesh& mesh, const mesh::BoundaryTriangles& boundary,
-                                  int untagged) {
-  std::vector<mesh::CellFace> between;
-  for (const auto& [face, regions] : mesh::faces_between_regions(comm, mesh)) between.push_back(face);
-  return assemble::match_boundary(comm, mesh, boundary, untagged, between);
-}
-
 /// Local.
 void require_fitting_triangles(const assemble::BoundaryMatch& match, const std::string& source,
                                const std::string& first) {
-  if (match.n_not_on_boundary > 0)
+  if (match.n_apart > 0)
     throw Error(
-        fmt::format("{}: expected tagged triangles on the boundary of the tetrahedra or between two regions of them "
-                    "(groups of volumes), found {} inside a region or apart from the cells{}: their surfaces have to "
-                    "be left out",
-                    source, match.n_not_on_boundary, first));
+        fmt::format("{}: expected tagged triangles that are faces of the tetrahedra, found {} apart from the "
+                    "cells{}: their surfaces have to be left out",
+                    source, match.n_apart, first));
   if (match.n_contradictions > 0)
-    throw Error(fmt::format("{}: expected one tag for each boundary face, found {} faces in two surfaces{}", source,
+    throw Error(fmt::format("{}: expected one tag for each face, found {} faces in two surfaces{}", source,
                             match.n_contradictions, first));
 }
 
-/// Leaves out the patches that have no face of the boundary: those of interfaces. Collective.
+/// Leaves out the patches that have no face: all of theirs are in another one. Collective.
 void drop_patches_without_faces(const par::Comm& comm, mesh::DistMesh& mesh) {
+  const mesh::InnerPatches faces(mesh);
   std::vector<std::int64_t> n_faces(mesh.info.patches.size(), 0);
-  for (const auto& neighbors : mesh.cell_to_cell)
-    for (const auto neighbor : neighbors)
-      if (neighbor < 0) ++n_faces[at(mesh::slot_to_patch(neighbor))];
+  const auto for_each = [&](auto&& visit) {
+    for (LocalId c = 0; c < mesh.n_cells(); ++c)
+      for (int slot = 0; slot < 4; ++slot)
+        if (const int patch = faces.of_any({c, slot}); patch >= 0) visit(c, slot, at(patch));
+  };
+  for_each([&](LocalId, int, std::size_t patch) { ++n_faces[patch]; });
   comm.sum_in_place(n_faces);
   std::vector<int> now(n_faces.size(), -1);
   std::vector<mesh::Patch> kept;
@@ -308,9 +304,14 @@ void drop_patches_without_faces(const par::Comm& comm, mesh::DistMesh& mesh) {
     kept.push_back(mesh.info.patches[p]);
   }
   mesh.info.patches = std::move(kept);
-  for (auto& neighbors : mesh.cell_to_cell)
-    for (auto& neighbor : neighbors)
-      if (neighbor < 0) neighbor = mesh::patch_to_slot(now[at(mesh::slot_to_patch(neighbor))]);
+  auto* word = mesh.find_cell_field(mesh::inner_patch_field);
+  for_each([&](LocalId c, int slot, std::size_t patch) {
+    auto& next = mesh.cell_to_cell[at(c)][at(slot)];
+    if (next < 0)
+      next = mesh::patch_to_slot(now[patch]);
+    else
+      word->integer()[at(c)] = mesh::with_inner_patch(word->integer()[at(c)], slot, now[patch]);
+  });
 }
 
 /// Faces whose two cells lie on the same side, which have positive volumes. Collective.
@@ -460,13 +461,15 @@ ElementMesh mesh_of_elements(const par::Comm& comm, ElementParts parts, const st
     for (const auto& region : result.mesh.info.regions)
       require_clean_name(fmt::format("region {}", region.number), region.name);
   });
-  const auto match = tag_faces(comm, result.mesh, boundary, static_cast<int>(patches.size()));
+  const auto match = assemble::match_boundary(comm, result.mesh, boundary, static_cast<int>(patches.size()));
   require_fitting_triangles(match, source, first_misfit(comm, parts, match, patch_of_group));
   result.n_untagged_faces = match.n_untagged;
   for (std::size_t p = 0; p < match.n_inner.size(); ++p)
     if (match.n_inner[p] > 0) result.inner_faces[patches[p].name] = match.n_inner[p];
+  for (const auto& [pair, n] : match.in_two_patches)
+    result.overlaps.push_back({2, patches[at(pair.first)].name, patches[at(pair.second)].name, n});
   if (result.n_untagged_faces > 0) patches.push_back({"boundary", ""});
-  if (!result.inner_faces.empty()) drop_patches_without_faces(comm, result.mesh);
+  if (!match.in_two_patches.empty()) drop_patches_without_faces(comm, result.mesh);
   return result;
 }
 

@@ -45,7 +45,7 @@ struct ElementMesh {
   std::int64_t n_turned = 0;          ///< cells that were inverted
   std::int64_t n_dropped_nodes = 0;   ///< nodes of no tetrahedron: centers of circles, points of the geometry
   std::int64_t n_periodic_links = 0;  ///< that are not kept; their surfaces are patches of kind `periodic`
-  /// By group: triangles between two regions, which are no patch; `write_gmsh` and `write_medit` can make them again.
+  /// By patch: faces inside, which have cells on both sides (`mesh/inner_patches.hpp`).
   std::map<std::string, std::int64_t> inner_faces;
   std::int64_t n_untagged_faces = 0;       ///< boundary faces without triangle: they are in the patch `boundary`
   std::vector<GroupOverlap> overlaps;      ///< each pair of groups once
@@ -61,12 +61,12 @@ std::string source_of(const std::filesystem::path& file);
 
 /// Makes a mesh of what a file or arrays say, the one way in for all of them: groups of triangles become patches, in ascending order, with the names and kinds
 /// of `patch_of_group`; those of tetrahedra the cell field `region`, with the names of
-/// `parts.group_name`. Nodes of no cell and triangles between two regions are left out. Cells are put in order along
-/// Hilbert's curve, or as `options` say.
+/// `parts.group_name`. Triangles inside are patches as those of the boundary are. Nodes of no cell are left out. Cells
+/// are put in order along Hilbert's curve, or as `options` say.
 ///
 /// Collective; the result does not depend on the number of ranks. `parts.group_name` must be the same on every rank.
 /// Throws the same `Error` on every rank, which begins with `source`: by name, with counts, for elements of other kinds,
-/// triangles inside a region or apart from the cells, cells that are inverted (without `repair`), folded or flat,
+/// triangles apart from the cells, cells that are inverted (without `repair`), folded or flat,
 /// node numbers that are missing, twice or so scattered that no table holds them (more than 64 times as many as nodes).
 ElementMesh mesh_of_elements(const par::Comm& comm, ElementParts parts, const std::string& source,
                              const ElementOptions& options,

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <numeric>
@@ -39,7 +40,9 @@ void check(WholeMesh& mesh) {
   require_rows(mesh.cell, "cell");
   require_rows(mesh.triangle, "triangle");
   if (mesh.tag.empty()) mesh.patch_of_tag.clear();
-  for (const auto tag : mesh.tag) mesh.patch_of_tag.emplace(tag, mesh::Patch{fmt::format("patch_{}", tag), ""});
+  for (const auto tag : mesh.tag)
+    mesh.patch_of_tag.emplace(
+        tag, mesh::Patch{.name = fmt::format("patch_{}", tag), .kind = "", .number = std::max<std::int64_t>(tag, -1)});
   std::set<std::string> seen;
   for (const auto& [tag, patch] : mesh.patch_of_tag) {
     require_clean_name(fmt::format("patch {}", tag), patch.name);
@@ -98,12 +101,13 @@ std::map<std::int64_t, mesh::Patch> share_names(const par::Comm& comm,
   std::vector<std::int64_t> numbers;
   for (const auto& [number, patch] : names) {
     lines.insert(lines.end(), {patch.name, patch.kind});
-    numbers.push_back(number);
+    numbers.insert(numbers.end(), {number, patch.number});
   }
   lines = share_lines(comm, lines);
   numbers = comm.broadcast(numbers);
   std::map<std::int64_t, mesh::Patch> shared;
-  for (std::size_t i = 0; i < numbers.size(); ++i) shared[numbers[i]] = {lines[2 * i], lines[2 * i + 1]};
+  for (std::size_t i = 0; i < numbers.size(); i += 2)
+    shared[numbers[i]] = {.name = lines[i], .kind = lines[i + 1], .number = numbers[i + 1]};
   return shared;
 }
 
@@ -180,7 +184,7 @@ ElementMesh mesh_of_whole(const par::Comm& comm, const std::filesystem::path& fi
   for (const auto& [number, region] : regions) parts.group_name[{3, number}] = region.name;
   auto result = mesh_of_elements(comm, std::move(parts), source_of(file), options,
                                  [&](std::int64_t tag) { return patches.at(tag); });
-  result.overlaps = std::move(overlaps);
+  result.overlaps.insert(result.overlaps.begin(), overlaps.begin(), overlaps.end());
   result.remarks = std::move(remarks);
   return result;
 }

@@ -15,6 +15,7 @@
 #include "pamr/io/export/surface_rows.hpp"
 #include "pamr/io/shared_output.hpp"
 #include "pamr/mesh/find_patches.hpp"
+#include "pamr/mesh/inner_patches.hpp"
 #include "pamr/mesh/tet.hpp"
 
 namespace pamr::io {
@@ -31,15 +32,17 @@ std::vector<bool> chosen_patches(const mesh::MeshInfo& info, const std::vector<s
   return chosen;
 }
 
-SurfaceTriangles boundary_of(const mesh::DistMesh& mesh, const std::vector<bool>& chosen) {
+/// `with_inside`: those of faces inside as well, from the cell with the lower number.
+SurfaceTriangles triangles_of(const mesh::DistMesh& mesh, const std::vector<bool>& chosen, bool with_inside) {
+  const mesh::InnerPatches patches(mesh);
   SurfaceTriangles boundary{.all_cells = mesh.info.cell_ids()};
   boundary.fields = {{.name = "patch", .is_integer = true}, {.name = "cell", .is_integer = true}};
   for (LocalId cell = 0; cell < mesh.n_cells(); ++cell)
     for (std::size_t face = 0; face < 4; ++face) {
-      const auto slot = mesh.cell_to_cell[at(cell)][face];
-      if (slot >= 0) continue;
-      const auto patch = mesh::slot_to_patch(slot);
-      if (at(patch) >= chosen.size() || !chosen[at(patch)]) continue;
+      const mesh::CellFace here{cell, static_cast<int>(face)};
+      const auto patch = patches.of_any(here);
+      if (patch < 0 || at(patch) >= chosen.size() || !chosen[at(patch)]) continue;
+      if (mesh.cell_to_cell[at(cell)][face] >= 0 && (!with_inside || !patches.is_first_side(here))) continue;
       const auto p = mesh.points(cell);
       const auto [a, b, c] = mesh::tet::face_to_corner[face];
       const auto id = mesh.cell_global[at(cell)];
@@ -118,7 +121,7 @@ void write_vtp(const par::Comm& comm, SharedOutput& out, const SurfaceTriangles&
 
 void write_boundary(const par::Comm& comm, const std::filesystem::path& file, const mesh::DistMesh& mesh,
                     const std::vector<std::string>& patches) {
-  const auto t = triangles_in_order(comm, boundary_of(mesh, chosen_patches(mesh.info, patches)));
+  const auto t = triangles_in_order(comm, triangles_of(mesh, chosen_patches(mesh.info, patches), !patches.empty()));
   const auto n_triangles = comm.sum(std::ssize(t.corner));
   if (n_triangles == 0) throw Error(file.string() + ": expected boundary triangles to write, found none");
   const auto points = shared_points(comm, t);

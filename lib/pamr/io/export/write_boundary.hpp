@@ -13,7 +13,8 @@ namespace pamr::io {
 /// Writes the boundary of a mesh as a surface of triangles, seen counter-clockwise from outside of the mesh. The
 /// extension says how: STL and OBJ and OFF as text, PLY in bytes, all with every bit of the coordinates; `.vtp` (VTK
 /// PolyData, text) with the cell fields `patch` (number) and `cell` (number of the cell behind).
-/// - `patches`: names of those to write; all when empty. Throws `Error` for a name that the mesh does not have, and for
+/// - `patches`: names of those to write, their faces inside from the cell with the lower number; the whole boundary when
+///   empty. Throws `Error` for a name that the mesh does not have, and for
 ///   a surface without triangles.
 /// - Order: by cell, the faces of a cell by slot; points by their first use. The bytes are the same on any number of
 /// ranks.

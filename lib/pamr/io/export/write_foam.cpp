@@ -17,6 +17,7 @@
 #include "pamr/io/partial_folder.hpp"
 #include "pamr/io/rows_in_order.hpp"
 #include "pamr/io/shared_output.hpp"
+#include "pamr/mesh/inner_patches.hpp"
 #include "pamr/mesh/region_faces.hpp"
 #include "pamr/mesh/tet.hpp"
 #include "pamr/par/exchange.hpp"
@@ -32,6 +33,7 @@ using Nodes = std::array<GlobalId, 3>;
 struct Face {
   GlobalId owner = 0, neighbor = -1;
   Nodes node{};
+  int zone = -1;  ///< of a face inside: its patch
 };
 
 template <class T>
@@ -73,7 +75,7 @@ std::vector<std::vector<Face>> faces_of(const par::Comm& comm, const mesh::DistM
     for (std::size_t slot = 0; slot < 4; ++slot) {
       const auto next = neighbors[c][slot];
       if (next >= 0 && next < cell) continue;
-      Face face{cell, next, {}};
+      Face face{cell, next, {}, next < 0 ? -1 : rows.group[c][slot]};
       for (std::size_t i = 0; i < 3; ++i)
         face.node[i] = rows.cell_to_node[c][static_cast<std::size_t>(mesh::tet::face_to_corner[slot][i])];
       parts[next >= 0 ? 0 : 1 + static_cast<std::size_t>(rows.group[c][slot])].push_back(face);
@@ -116,7 +118,7 @@ class Writer {
         remark_(remark),
         folder_(std::move(folder)),
         mesh_(mesh),
-        rows_(rows_in_order(comm, mesh)),
+        rows_(rows_in_order(comm, mesh, nullptr, Interfaces::patches)),
         parts_(faces_of(comm, mesh, rows_)) {
     for (const auto& part : parts_) {
       n_faces_.push_back(comm.sum(static_cast<std::int64_t>(part.size())));
@@ -150,6 +152,7 @@ class Writer {
                }));
     write_boundary();
     write_zones();
+    write_face_zones();
   }
 
  private:
@@ -180,9 +183,12 @@ class Writer {
   void write_boundary() {
     const auto& patches = mesh_.info.patches;
     const auto names = words_of_patches(mesh_.info, {});
-    std::string text = fmt::format("{}{}\n(\n", header("polyBoundaryMesh", "boundary"), patches.size());
+    const auto inside = mesh::patches_inside_alone(comm_, mesh_);
+    const auto n_inside = std::count(inside.begin(), inside.end(), true);
+    std::string text = fmt::format("{}{}\n(\n", header("polyBoundaryMesh", "boundary"), std::ssize(patches) - n_inside);
     auto start = n_faces_[0];
     for (std::size_t p = 0; p < patches.size(); ++p) {
+      if (inside[p]) continue;
       const auto& kind = patches[p].kind;
       const bool is_type = kind == "wall" || kind == "symmetry" || kind == "symmetryPlane";
       text += fmt::format(
@@ -193,6 +199,41 @@ class Writer {
     }
     SharedOutput out(comm_, folder_ / "boundary");
     out.append_once(text + ")\n");
+    out.commit();
+  }
+
+  /// The faces inside of each patch that has some, seen from their owner.
+  void write_face_zones() {
+    const auto n_patches = mesh_.info.patches.size();
+    std::vector<std::string> labels(n_patches), flips(n_patches);
+    std::vector<std::int64_t> n(n_patches, 0);
+    auto label = comm_.exclusive_sum(std::ssize(parts_[0]));
+    for (const auto& face : parts_[0]) {
+      if (face.zone >= 0) {
+        append_number(labels[static_cast<std::size_t>(face.zone)], label);
+        labels[static_cast<std::size_t>(face.zone)] += '\n';
+        flips[static_cast<std::size_t>(face.zone)] += "0\n";
+        ++n[static_cast<std::size_t>(face.zone)];
+      }
+      ++label;
+    }
+    comm_.sum_in_place(n);
+    const auto n_zones = std::count_if(n.begin(), n.end(), [](std::int64_t count) { return count > 0; });
+    if (n_zones == 0) return;
+    const auto names = words_of_patches(mesh_.info, {});
+    SharedOutput out(comm_, folder_ / "faceZones");
+    out.append_once(fmt::format("{}{}\n(\n", header("regIOobject", "faceZones"), n_zones));
+    for (std::size_t p = 0; p < n_patches; ++p) {
+      if (n[p] == 0) continue;
+      out.append_once(
+          fmt::format("    {}\n    {{\n        type            faceZone;\n        faceLabels      List<label>\n{}\n(\n",
+                      names[p], n[p]));
+      out.append(labels[p]);
+      out.append_once(fmt::format(")\n;\n        flipMap         List<bool>\n{}\n(\n", n[p]));
+      out.append(flips[p]);
+      out.append_once(")\n;\n    }\n");
+    }
+    out.append_once(")\n");
     out.commit();
   }
 
@@ -242,7 +283,7 @@ void write_foam(const par::Comm& comm, const fs::path& case_folder, const mesh::
     if (comm.is_first()) folder.make();
   });
   folder.share(comm);
-  folder.hold({"points", "faces", "owner", "neighbour", "boundary", "cellZones"});
+  folder.hold({"points", "faces", "owner", "neighbour", "boundary", "cellZones", "faceZones"});
   try {
     Writer(comm, folder.path(), mesh, remark).write();
   } catch (const Error& error) {  // reaches every rank

@@ -14,7 +14,8 @@ namespace pamr::io {
 /// OpenFOAM wants them, then the boundary, patch by patch. Patches keep their names, but for characters that its words
 /// cannot have, which become `_`; a patch of kind `wall`, `symmetry` or `symmetryPlane` has that type, others `patch`.
 /// Numbers have as many digits as it takes to read the same ones back. The cells of each region
-/// (integer cell field `region`, but 0) become a zone in `cellZones`, named as the region is, or `region_N`. Fields are
+/// (integer cell field `region`, but 0) become a zone in `cellZones`, named as the region is, or `region_N`, the faces inside of each patch one in `faceZones`,
+/// seen from the cell with the lower number. Fields are
 /// left out. The same bytes on any
 /// number of ranks. A folder `polyMesh` that is there already is replaced when the new one is complete.
 ///

@@ -212,7 +212,7 @@ void append_cells(SharedOutput& out, const RowsInOrder& rows, const Boundary& bo
 
 void write_vtu(const par::Comm& comm, const std::filesystem::path& file, const mesh::DistMesh& mesh,
                const mesh::SecondOrder* second_order) {
-  const auto rows = rows_in_order(comm, mesh, second_order);
+  const auto rows = rows_in_order(comm, mesh, second_order, Interfaces::patches);
   const auto& shapes = second_order == nullptr ? first_order : second_order_shapes;
   const auto node_fields = exported_fields(second_order == nullptr ? mesh.node_fields : second_order->node_fields);
   const auto cell_fields = exported_fields(mesh.cell_fields);

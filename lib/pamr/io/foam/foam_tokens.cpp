@@ -148,6 +148,20 @@ std::vector<std::int64_t> FoamFile::labels() {
   return numbers;
 }
 
+void FoamFile::pass_flags() {
+  const auto here = in_;
+  const auto n = integer("the number of flags");
+  if (!binary_ || passes("{")) {
+    in_ = here;
+    (void)labels();
+    return;
+  }
+  if (n == 0 && !passes("(")) return;
+  if (n > 0) require("(");
+  in_.skip_rows(n, 1, "flags");
+  require(")");
+}
+
 std::vector<geometry::Vec3> FoamFile::points() {
   const auto n = count(binary_ ? 3 * static_cast<std::size_t>(scalar_bytes_) : 7, "points");
   require("(");

@@ -65,6 +65,7 @@ class CaseReader {
     make_cells();
     read_boundary();
     if (is_present(folder_ / "cellZones")) read_zones();
+    if (is_present(folder_ / "faceZones")) read_face_zones();
     return std::move(mesh_);
   }
 
@@ -141,6 +142,45 @@ class CaseReader {
       }
     }
     in.require(")");
+  }
+
+  /// Zones of faces inside become patches, those of a patch's name a part of it. Faces of the boundary have their patch.
+  void read_face_zones() {
+    FoamFile in(folder_ / "faceZones");
+    std::map<std::string, std::int64_t> tag_of;
+    for (const auto& [tag, patch] : mesh_.patch_of_tag) tag_of[patch.name] = tag;
+    const auto n = in.count(8, "zones");
+    in.require("(");
+    for (std::int64_t z = 0; z < n; ++z) {
+      const std::string name(in.word("the name of a zone"));
+      std::vector<std::int64_t> labels;
+      (void)in.dictionary([&](const std::string& key) {
+        if (key != "faceLabels" && key != "flipMap") return false;
+        (void)(in.passes("List<label>") || in.passes("List<bool>"));
+        if (key == "flipMap")
+          in.pass_flags();
+        else
+          labels = in.labels();
+        in.require(";");
+        return true;
+      });
+      std::int64_t n_outside = 0;
+      const auto [entry, is_new] = tag_of.try_emplace(name, std::ssize(mesh_.patch_of_tag));
+      for (const auto label : labels) {
+        if (label < 0 || label >= std::ssize(faces_))
+          in.fail(fmt::format("faces of zone '{}' from 0 to {}", name, std::ssize(faces_) - 1),
+                  fmt::format("{}", label));
+        const auto& face = faces_[at(label)];
+        if (label >= std::ssize(neighbor_)) ++n_outside;
+        if (label >= std::ssize(neighbor_) || face.size() != 3) continue;
+        mesh_.triangle.push_back({face[0], face[1], face[2]});
+        mesh_.tag.push_back(entry->second);
+      }
+      if (is_new && n_outside < std::ssize(labels)) mesh_.patch_of_tag[entry->second] = {name, ""};
+      if (n_outside > 0)
+        mesh_.remarks.push_back(
+            fmt::format("{} faces of the zone '{}' lie on the boundary: they stay in their patches", n_outside, name));
+    }
   }
 
   /// Zones become regions: N where one is called `region_N`, else the lowest free numbers from 1 on. A cell of two

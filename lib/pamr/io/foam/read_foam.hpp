@@ -10,8 +10,8 @@ namespace pamr::io {
 
 /// Reads the mesh of an OpenFOAM case, `constant/polyMesh` in its folder, of tetrahedra, as text or binary, packed by
 /// gzip or not: the patches of `boundary`, with the types wall, symmetry and symmetryPlane as kinds and cyclic
-/// ones as periodic, and `cellZones` as the cell field `region` with their names; a cell of two zones
-/// stays in the first one. With `CellOrder::keep` cells and
+/// ones as periodic, `cellZones` as the cell field `region` with their names (a cell of two zones
+/// stays in the first one), and `faceZones` inside as patches. With `CellOrder::keep` cells and
 /// points have the numbers of the case, so that fields of OpenFOAM fit.
 ///
 /// Rank 0 reads the files. Collective. Throws the same `Error` on every rank, with file and line, for what is no such

@@ -158,9 +158,11 @@ GmshMesh read_gmsh(const par::Comm& comm, const std::filesystem::path& file, con
   const auto periodic = periodic_groups(comm, parts);
   auto overlaps = gmsh::overlaps_of(comm, parts);
   auto read = mesh_of_elements(comm, std::move(parts), source_of(file), options, [&](std::int64_t group) {
-    return mesh::Patch{gmsh::name_of_group(names, 2, group), periodic.contains(group) ? mesh::periodic_kind : ""};
+    return mesh::Patch{.name = gmsh::name_of_group(names, 2, group),
+                       .kind = periodic.contains(group) ? mesh::periodic_kind : "",
+                       .number = group > 0 ? group : -1};
   });
-  read.overlaps = std::move(overlaps);
+  read.overlaps.insert(read.overlaps.begin(), overlaps.begin(), overlaps.end());
   return read;
 }
 

@@ -16,6 +16,7 @@
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/geometry/box.hpp"
+#include "pamr/io/elements/boundary_rows.hpp"
 #include "pamr/io/gmsh/gmsh_parts.hpp"
 #include "pamr/io/rows_in_order.hpp"
 #include "pamr/io/shared_output.hpp"
@@ -170,6 +171,7 @@ class Writer {
       region_number_.push_back(volume.number);
     }
     patch_name_ = physical_names("patch", rows_.group_name, options.remark);
+    patch_number_ = patch_numbers(rows_.group_name, "physical_", 1, rows_.patch_number);
     region_name_ = physical_names("region", regions, options.remark);
     for (const auto& patch : elements_.triangle)
       n_triangles_.push_back(comm.sum(static_cast<std::int64_t>(patch.size())));
@@ -195,8 +197,9 @@ class Writer {
       Record part(binary_);
       const auto& triangles = elements_.triangle[p];
       auto number = done + comm_.exclusive_sum(static_cast<std::int64_t>(triangles.size()));
-      const auto patch = static_cast<std::int64_t>(p) + 1;
-      for (const auto& face : triangles) element_2(part, ++number, Order::triangle_type, patch, patch, face);
+      const auto entity = static_cast<std::int64_t>(p) + 1;
+      for (const auto& face : triangles)
+        element_2(part, ++number, Order::triangle_type, patch_number_[p], entity, face);
       if (n_triangles_[p] > 0) block_2(part, Order::triangle_type, n_triangles_[p]);
       done += n_triangles_[p];
     }
@@ -226,7 +229,8 @@ class Writer {
     const std::int32_t one = 1;
     if (binary_) text.append(reinterpret_cast<const char*>(&one), sizeof(one)) += '\n';
     text += fmt::format("$EndMeshFormat\n$PhysicalNames\n{}\n", patch_name_.size() + region_name_.size());
-    for (std::size_t p = 0; p < patch_name_.size(); ++p) text += fmt::format("2 {} \"{}\"\n", p + 1, patch_name_[p]);
+    for (std::size_t p = 0; p < patch_name_.size(); ++p)
+      text += fmt::format("2 {} \"{}\"\n", patch_number_[p], patch_name_[p]);
     for (std::size_t r = 0; r < region_name_.size(); ++r)
       text += fmt::format("3 {} \"{}\"\n", region_number_[r], region_name_[r]);
     out_.append_once(text + "$EndPhysicalNames\n");
@@ -283,7 +287,7 @@ class Writer {
         record.large(0);
         record.end_line();
       };
-      for (std::size_t p = 0; p < n_triangles_.size(); ++p) entity(p, static_cast<std::int64_t>(p) + 1);
+      for (std::size_t p = 0; p < n_triangles_.size(); ++p) entity(p, patch_number_[p]);
       for (std::size_t r = 0; r < elements_.region.all.size(); ++r)
         entity(r, elements_.volume.at(elements_.region.all[r]).number);
     }
@@ -359,6 +363,7 @@ class Writer {
   RowsInOrder rows_;
   Elements<Order> elements_;
   std::vector<std::string> patch_name_, region_name_;  ///< as they are written; of patches and interfaces, of regions
+  std::vector<std::int64_t> patch_number_;             ///< of patches and interfaces, in the file
   std::vector<std::int64_t> region_number_;            ///< of those that have names, in the file
   std::vector<std::int64_t> n_triangles_;              ///< of each patch and interface, all ranks
   std::int64_t n_elements_ = 0;

@@ -18,12 +18,12 @@ enum class GmshVersion : std::uint8_t { v2_2, v4_1 };
 struct GmshWriteOptions {
   GmshVersion version = GmshVersion::v4_1;
   Exact<bool> binary = true;
-  Interfaces interfaces = Interfaces::none;
+  Interfaces interfaces = Interfaces::patches;
   Remark remark = {};  ///< hears of names that the format cannot have
 };
 
-/// Writes nodes, boundary triangles and tetrahedra in Gmsh's format: patches become physical surfaces 1, 2, ... of
-/// their names (faces between regions, where asked for, the ones after them), values of an integer cell field `region`
+/// Writes nodes, boundary triangles and tetrahedra in Gmsh's format: patches become physical surfaces of their
+/// names and numbers (`patch_numbers`; faces between regions, where asked for, have free ones), values of an integer cell field `region`
 /// physical volumes of these numbers with the names they have (volume 1 without the field; regions 0 and below get the
 /// lowest free numbers and the names `region_N`, which `read_gmsh` knows). Double quotes in names become single ones. Nodes are numbered from 1 in global order,
 /// and so are the elements: triangles patch by patch, then cells (4.1: region by region). Fields are left out. Text has

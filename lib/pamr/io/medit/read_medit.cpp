@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <set>
 #include <utility>
 
@@ -154,7 +155,8 @@ ElementMesh read_medit(const par::Comm& comm, const std::filesystem::path& file,
   }
   parts.has_signed_regions = true;
   return mesh_of_elements(comm, std::move(parts), source_of(file), options, [](std::int64_t reference) {
-    return mesh::Patch{fmt::format("ref_{}", reference), ""};
+    return mesh::Patch{
+        .name = fmt::format("ref_{}", reference), .kind = "", .number = std::max<std::int64_t>(reference, -1)};
   });
 }
 

@@ -198,8 +198,9 @@ Section section_of(gmf::Keyword keyword, const char* name, std::int64_t n,
 
 }  // namespace
 
-std::vector<std::int64_t> medit_references(const std::vector<std::string>& names) {
-  return patch_numbers(names, "ref_", 0);
+std::vector<std::int64_t> medit_references(const std::vector<std::string>& names,
+                                           const std::vector<std::int64_t>& numbers) {
+  return patch_numbers(names, "ref_", 0, numbers);
 }
 
 void write_medit(const par::Comm& comm, const std::filesystem::path& file, const mesh::DistMesh& mesh,
@@ -207,7 +208,7 @@ void write_medit(const par::Comm& comm, const std::filesystem::path& file, const
   const auto in_order = rows_in_order(comm, mesh, nullptr, interfaces);
   const auto boundary = boundary_rows(in_order);
   const auto region = regions_of(comm, mesh, in_order.cell_to_node.size());
-  const auto reference = medit_references(in_order.group_name);
+  const auto reference = medit_references(in_order.group_name, in_order.patch_number);
   std::vector<Section> sections{
       {.keyword = gmf::vertices, .name = "Vertices", .n = in_order.n_nodes, .n_reals = 3, .n_integers = 1},
       {.keyword = gmf::triangles, .name = "Triangles", .n = comm.sum(std::ssize(boundary)), .n_integers = 4},

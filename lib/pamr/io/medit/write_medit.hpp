@@ -19,11 +19,12 @@ namespace pamr::io {
 /// bytes on any number of ranks. Collective; throws the same `Error` on every rank, also for regions beyond 32 bits,
 /// and leaves nothing behind then.
 void write_medit(const par::Comm& comm, const std::filesystem::path& file, const mesh::DistMesh& mesh,
-                 Interfaces interfaces = Interfaces::none);
+                 Interfaces interfaces = Interfaces::patches);
 
-/// The reference of each group of triangles (`TriangleGroups::name`): N for `ref_N`, the lowest free number from 1 on
-/// for the others.
-std::vector<std::int64_t> medit_references(const std::vector<std::string>& names);
+/// The reference of each group of triangles (`TriangleGroups`): the user's number, N for `ref_N`, the lowest free number
+/// from 1 on for the others (`patch_numbers`).
+std::vector<std::int64_t> medit_references(const std::vector<std::string>& names,
+                                           const std::vector<std::int64_t>& numbers);
 
 /// Writes fields to a `.sol` (text) or `.solb` (binary), in the order of the mesh: all real ones of 1, 3, 6 or 9
 /// components where `names` is empty, else those of these names, in this order (nodal ones before those of cells in the

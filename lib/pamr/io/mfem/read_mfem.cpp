@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cctype>
 #include <fstream>
@@ -52,7 +53,9 @@ class MfemReader {
                    fmt::format("\"{}\"", keyword.substr(0, 40)));
     }
     if (!has_points_) in_.fail("vertices or nodes with coordinates", "the end of the file");
-    name(boundary_sets_, [&](std::int64_t tag, const std::string& text) { mesh_.patch_of_tag[tag] = {text, ""}; });
+    name(boundary_sets_, [&](std::int64_t tag, const std::string& text) {
+      mesh_.patch_of_tag[tag] = {.name = text, .kind = "", .number = std::max<std::int64_t>(tag, -1)};
+    });
     name(element_sets_, [&](std::int64_t tag, const std::string& text) { mesh_.name_of_region[tag] = text; });
     return std::move(mesh_);
   }

@@ -114,6 +114,7 @@ void Inspector::pamr() {
   if (has_group("/PAMR/patches"))
     for (const auto* name : {"names", "kinds", "surfaces"})
       if (has_link(std::string("/PAMR/patches/") + name)) text(std::string("/PAMR/patches/") + name);
+  if (has_group("/PAMR/patches") && has_link(path::patch_numbers)) array(path::patch_numbers, max_patch_numbers);
   if (has_group(path::boundary)) {
     array(path::boundary_triangles, 0);
     array(path::boundary_patch, 0);

@@ -12,6 +12,7 @@
 #include "pamr/io/native/checksum.hpp"
 #include "pamr/io/native/hdf5.hpp"
 #include "pamr/io/text.hpp"
+#include "pamr/mesh/inner_patches.hpp"
 #include "pamr/mesh/level0_key.hpp"
 
 namespace pamr::io {
@@ -41,6 +42,7 @@ class Checker {
       extension();
     else
       layout_.info.patches = {{"boundary", ""}};
+    inner_patches();
     level0();
     return std::move(layout_);
   }
@@ -227,6 +229,12 @@ class Checker {
       layout_.info.patches.push_back({names[p], kinds[p]});
     }
     layout_.surface_of_patch = std::move(surfaces);
+    const auto* numbers = catalog_->find_array(path::patch_numbers);
+    if (numbers == nullptr) return;
+    if (numbers->values.size() != names.size())
+      fail(path::patch_numbers, fmt::format("{} numbers, one for each patch", names.size()),
+           fmt::format("{}", numbers->values.size()));
+    for (std::size_t p = 0; p < names.size(); ++p) layout_.info.patches[p].number = numbers->values[p];
   }
 
   /// The catalog has both datasets or none.
@@ -256,6 +264,13 @@ class Checker {
         fail(path::region_numbers, "ascending numbers", fmt::format("{} after {}", numbers[r], numbers[r - 1]));
       layout_.info.regions.push_back({numbers[r], names[r]});
     }
+  }
+
+  void inner_patches() {
+    for (const auto& field : layout_.fields)
+      if (field.on_cells && field.name == mesh::inner_patch_field &&
+          (field.n_components != 1 || !mesh::is_integer(field.type)))
+        fail(field.path, "one integer a row", fmt::format("{} of {}", field.n_components, hdf5::to_text(field.type)));
   }
 
   /// The map of level 0 is its table and two fields; a part of them alone says nothing and is left out. The catalog has

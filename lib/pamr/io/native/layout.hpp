@@ -36,6 +36,7 @@ inline constexpr const char* patches = "/PAMR/patches";
 inline constexpr const char* patch_names = "/PAMR/patches/names";
 inline constexpr const char* patch_kinds = "/PAMR/patches/kinds";
 inline constexpr const char* patch_surfaces = "/PAMR/patches/surfaces";
+inline constexpr const char* patch_numbers = "/PAMR/patches/numbers";
 inline constexpr const char* regions = "/PAMR/regions";
 inline constexpr const char* region_numbers = "/PAMR/regions/numbers";
 inline constexpr const char* region_names = "/PAMR/regions/names";
@@ -48,8 +49,9 @@ inline constexpr const char* checksums = "/PAMR/checksums";
 
 inline constexpr int tetrahedron = 10;            ///< VTK's number of the cell type
 inline constexpr std::size_t max_regions = 4096;  ///< with a name
-inline constexpr std::size_t max_fields = 4096;   ///< of nodes, and as many of cells
-inline constexpr int max_components = 65536;      ///< of a field
+inline constexpr std::size_t max_patch_numbers = std::size_t{1} << 16U;
+inline constexpr std::size_t max_fields = 4096;  ///< of nodes, and as many of cells
+inline constexpr int max_components = 65536;     ///< of a field
 /// Bytes of a name of a field or surface and of a unit: they are names or values of attributes, which hold 64 KiB.
 inline constexpr std::size_t max_name_bytes = 60000;
 

@@ -12,6 +12,7 @@
 #include "pamr/base/contract.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
+#include "pamr/base/with_file_name.hpp"
 #include "pamr/io/native/catalog.hpp"
 #include "pamr/io/native/hdf5.hpp"
 #include "pamr/io/native/layout.hpp"
@@ -21,6 +22,7 @@
 #include "pamr/io/native/read_level0.hpp"
 #include "pamr/io/native/read_values.hpp"
 #include "pamr/io/native/slab_reader.hpp"
+#include "pamr/mesh/inner_patches.hpp"
 #include "pamr/mesh/local_size.hpp"
 
 namespace pamr::io {
@@ -137,6 +139,11 @@ mesh::BlockMesh NativeFile::read(std::optional<GlobalId> first_cell, std::string
       block.node_fields.push_back(read_field(reader, layout, entry, nodes, true));
     else if (entry.name != without_cell_field)
       block.cell_fields.push_back(read_field(reader, layout, entry, cells, true));
+  par::agree(*comm_, [&] {
+    with_file_name(file_, [&] {
+      for (const auto& field : block.cell_fields) mesh::require_inner_patches(field, block.info.patches.size());
+    });
+  });
   std::vector<std::shared_ptr<const geometry::Triangulation>> triangulations;
   for (const auto& entry : layout.triangulations)
     triangulations.push_back(std::make_shared<const geometry::Triangulation>(read_triangulation(reader, entry)));

@@ -22,6 +22,7 @@
 #include "pamr/io/text.hpp"
 #include "pamr/mesh/cell_runs.hpp"
 #include "pamr/mesh/families.hpp"
+#include "pamr/mesh/inner_patches.hpp"
 #include "pamr/mesh/level0_key.hpp"
 #include "pamr/mesh/level0_map.hpp"
 
@@ -61,6 +62,12 @@ auto value_by_value(ValueOf value_of) {
   };
 }
 
+/// The lowest number of a format that has a place for all that is written, which older versions can read. Local.
+int least_format(const mesh::DistMesh& mesh, int format) {
+  if (mesh.find_cell_field(mesh::inner_patch_field) != nullptr) return format;
+  return std::min(format, writes_level0(mesh, format) ? first_format_with_level0 : first_format_with_level0 - 1);
+}
+
 }  // namespace
 
 template <class FillRow>
@@ -74,9 +81,7 @@ HeldRows WritePlan::node_rows(std::size_t width, FillRow fill_row) const {
 }
 
 WritePlan::WritePlan(const par::Comm& comm, const mesh::DistMesh& mesh, int format, const std::string& provenance)
-    : file_format(writes_level0(mesh, format) ? format : std::min(format, first_format_with_level0 - 1)),
-      mesh_(&mesh),
-      cell_run_(mesh::cell_runs(comm, mesh)) {
+    : file_format(least_format(mesh, format)), mesh_(&mesh), cell_run_(mesh::cell_runs(comm, mesh)) {
   std::vector<std::uint64_t> number;  // from the least on
   number.reserve(mesh.node_global.size());
   for (const auto id : mesh.node_global) number.push_back(static_cast<std::uint64_t>(id - mesh.info.first_id));
@@ -97,6 +102,10 @@ WritePlan::WritePlan(const par::Comm& comm, const mesh::DistMesh& mesh, int form
   std::sort(triangulations.begin(), triangulations.end(),
             [](const auto& a, const auto& b) { return a->name < b->name; });
   for (const auto& surface : triangulations) add_triangulation(comm, *surface);
+  const auto& patches = mesh.info.patches;
+  if (patches.size() <= max_patch_numbers &&
+      std::any_of(patches.begin(), patches.end(), [](const auto& patch) { return patch.number >= 0; }))
+    add_patch_numbers();
   if (!mesh.info.regions.empty()) add_regions();
   if (has_level0) add_level0(*mesh.info.level0);
   add_texts(provenance);
@@ -202,6 +211,16 @@ void WritePlan::add_triangulation(const par::Comm& comm, const geometry::Triangu
     const auto& t = surface.triangles[i];
     return std::array{word_of(t[0]), word_of(t[1]), word_of(t[2])};
   });
+}
+
+void WritePlan::add_patch_numbers() {
+  const auto& patches = mesh_->info.patches;
+  const auto n = std::ssize(patches);
+  arrays.push_back({.path = path::patch_numbers,
+                    .type = StorageType::int64,
+                    .shape = {n, 1, true},
+                    .rows = {n, 1, {}, {}, {}},
+                    .formula = value_by_value([&patches](GlobalId row) { return word_of(patches[at(row)].number); })});
 }
 
 void WritePlan::add_regions() {
@@ -334,6 +353,9 @@ bool writes_level0(const mesh::DistMesh& mesh, int format) {
 
 void require_writable(const mesh::DistMesh& mesh, int format) {
   require_lineage(mesh, format);
+  if (format < first_format_with_inner_patches && mesh.find_cell_field(mesh::inner_patch_field) != nullptr)
+    throw Error(fmt::format("format: expected {}, which has a place for patches of faces inside, found {}",
+                            first_format_with_inner_patches, format));
   require_writable(mesh.info.surfaces->triangulations);
   require_fields(mesh.node_fields, false);
   require_fields(mesh.cell_fields, true);

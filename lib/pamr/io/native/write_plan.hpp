@@ -56,6 +56,7 @@ struct WritePlan {
   void add_mesh(int format);
   void add_field(const mesh::Field& field, bool on_cells);
   void add_level();
+  void add_patch_numbers();
   void add_regions();
   void add_level0(const mesh::Level0Map& map);
   void add_texts(const std::string& provenance);

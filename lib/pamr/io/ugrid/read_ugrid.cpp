@@ -111,7 +111,9 @@ ElementMesh read_ugrid(const par::Comm& comm, const std::filesystem::path& file,
       [&](TextCursor& in, Share share) { return ugrid::UgridReader(in, share, big_endian).read(); });
   auto read = mesh_of_elements(comm, std::move(parts), source_of(file), options, [&](std::int64_t surface) {
     const auto found = named.find(surface);
-    return found != named.end() ? found->second : mesh::Patch{fmt::format("surface_{}", surface), ""};
+    auto patch = found != named.end() ? found->second : mesh::Patch{fmt::format("surface_{}", surface), ""};
+    patch.number = surface;
+    return patch;
   });
   std::set<std::string> seen;
   for (const auto& patch : read.mesh.info.patches)

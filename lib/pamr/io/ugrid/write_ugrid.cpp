@@ -55,7 +55,7 @@ void write_ugrid(const par::Comm& comm, const std::filesystem::path& file, const
   const bool swap = ugrid::is_big_endian(file);
   const auto rows = rows_in_order(comm, mesh);
   const auto boundary = boundary_rows(rows);
-  const auto number = patch_numbers(rows.group_name, "surface_", 1);
+  const auto number = patch_numbers(rows.group_name, "surface_", 1, rows.patch_number);
   const auto axes = flat_axes(comm, mesh);
   const auto n_triangles = comm.sum(std::ssize(boundary));
   const auto most = std::max({rows.n_nodes, n_triangles, mesh.info.n_global_cells});

@@ -14,6 +14,7 @@
 #include "pamr/base/index.hpp"
 #include "pamr/mesh/box_of_nodes.hpp"
 #include "pamr/mesh/find_patches.hpp"
+#include "pamr/mesh/inner_patches.hpp"
 #include "pamr/mesh/require_field.hpp"
 #include "pamr/par/reproducible_sum.hpp"
 #include "solvers/dsmc/gas/gas_tables.hpp"
@@ -26,11 +27,21 @@ using namespace geometry;
 
 namespace {
 
-std::vector<BoundaryCondition> conditions_of(const Case& c, const mesh::DistMesh& mesh) {
+/// Patches that lie inside alone need no condition, and cannot have one of their own. Collective.
+std::vector<BoundaryCondition> conditions_of(const par::Comm& comm, const Case& c, const mesh::DistMesh& mesh) {
+  const auto inside = mesh::patches_inside_alone(comm, mesh);
   std::vector<BoundaryCondition> conditions;
   std::string missing;
-  for (const auto& patch : mesh.info.patches) {
-    if (const auto* found = c.find_boundary(patch.name))
+  for (std::size_t p = 0; p < inside.size(); ++p) {
+    const auto& patch = mesh.info.patches[p];
+    if (inside[p] && c.boundary.contains(patch.name))
+      throw Error(
+          fmt::format("{}: expected a condition at the boundary, found \"{}\", whose faces lie inside the gas: "
+                      "these are no walls yet",
+                      c.boundary_at.at(patch.name), patch.name));
+    if (inside[p])
+      conditions.emplace_back().kind = BoundaryCondition::Kind::symmetry;
+    else if (const auto* found = c.find_boundary(patch.name))
       conditions.push_back(*found);
     else
       missing += fmt::format("{}{}", missing.empty() ? "" : ", ", patch.name);
@@ -160,7 +171,7 @@ Setup make_setup(const par::Comm& comm, const Case& c, const mesh::DistMesh& mes
   Setup setup;
   setup.gas = c.gas;
   setup.stream = c.stream;
-  setup.patch = conditions_of(c, mesh);
+  setup.patch = conditions_of(comm, c, mesh);
   require_reference(c, mesh, setup.patch);
   setup.initial = c.initial;
   setup.region = c.region;

@@ -10,6 +10,7 @@
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/mesh/find_patches.hpp"
+#include "pamr/mesh/inner_patches.hpp"
 #include "pamr/mesh/tet.hpp"
 #include "pamr/par/exchange.hpp"
 #include "pamr/par/reproducible_sum.hpp"
@@ -21,8 +22,10 @@ using geometry::Vec3;
 
 namespace {
 
-void require_patches(const mesh::DistMesh& mesh, const Case& problem, const std::string& where) {
+/// Collective.
+void require_patches(const par::Comm& comm, const mesh::DistMesh& mesh, const Case& problem, const std::string& where) {
   const auto& patches = mesh.info.patches;
+  const auto inside = mesh::patches_inside_alone(comm, mesh);
   if (patches.size() > 64) throw Error(fmt::format("expected a mesh of at most 64 patches, found {}", patches.size()));
   const auto exists = [&](const std::string& name) {
     for (const auto& patch : patches)
@@ -33,6 +36,12 @@ void require_patches(const mesh::DistMesh& mesh, const Case& problem, const std:
     if (!exists(b.patch))
       throw Error(fmt::format("{}: expected [boundary.X] for a patch of the mesh ({}), found \"{}\"", where,
                               mesh::list_patches(patches), b.patch));
+  for (std::size_t p = 0; p < patches.size(); ++p)
+    if (inside[p] && problem.find_boundary(patches[p].name) != nullptr)
+      throw Error(
+          fmt::format("{}: expected a condition at the boundary, found \"{}\", whose faces lie inside the liquid: "
+                      "these can have none yet",
+                      where, patches[p].name));
   const auto& midplane = problem.force.midplane;
   if (!midplane.empty() && !exists(midplane))
     throw Error(fmt::format("{}: expected a patch of the mesh ({}), found \"{}\"", where, mesh::list_patches(patches),
@@ -151,7 +160,7 @@ int Domain::patch_number(std::string_view name) const {
 }
 
 Domain make_domain(const par::Comm& comm, const mesh::DistMesh& mesh, const Case& problem, const std::string& where) {
-  require_patches(mesh, problem, where);
+  require_patches(comm, mesh, problem, where);
   const auto scale = debye_lengths_in(mesh.info.length_unit, problem.electrolyte, where);
   if (!scale)
     throw Error(fmt::format("expected a mesh in Debye lengths (unit \"1\"), m, um or nm, found the length unit \"{}\"",
