@@ -63,7 +63,7 @@ auto value_by_value(ValueOf value_of) {
 }
 
 /// The lowest number of a format that has a place for all that is written, which older versions can read. Local.
-int least_format(const mesh::DistMesh& mesh, int format) {
+int format_needed(const mesh::DistMesh& mesh, int format) {
   if (mesh.find_cell_field(mesh::inner_patch_field) != nullptr) return format;
   return std::min(format, writes_level0(mesh, format) ? first_format_with_level0 : first_format_with_level0 - 1);
 }
@@ -81,7 +81,7 @@ HeldRows WritePlan::node_rows(std::size_t width, FillRow fill_row) const {
 }
 
 WritePlan::WritePlan(const par::Comm& comm, const mesh::DistMesh& mesh, int format, const std::string& provenance)
-    : file_format(least_format(mesh, format)), mesh_(&mesh), cell_run_(mesh::cell_runs(comm, mesh)) {
+    : file_format(format_needed(mesh, format)), mesh_(&mesh), cell_run_(mesh::cell_runs(comm, mesh)) {
   std::vector<std::uint64_t> number;  // from the least on
   number.reserve(mesh.node_global.size());
   for (const auto id : mesh.node_global) number.push_back(static_cast<std::uint64_t>(id - mesh.info.first_id));
