@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Validates pamr-dsmc against closed forms: the cases that take longer than a test. The table goes to OUT/results.csv; its
-# numbers are in docs/reports/dsmc-validation.md. Shocks: cases/shock/run.sh --full.
+# numbers are in docs/reports/dsmc-validation.md and the pages that it names. Shocks: cases/shock/run.sh --full.
 #
 #   qualification/validation/dsmc.sh [--ranks N] [--seeds N] [--out FOLDER] [--tools FOLDER] [CASE...]
 #
