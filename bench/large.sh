@@ -3,7 +3,7 @@
 # One refinement as large as the machine allows, file to file: a mesh of the gas around the blunt cone is refined until it
 # has an eighth of the cells that are wanted, then once more but for the fortieth of its cells that lies farthest from
 # the nose, and the file is checked in slabs by a program of its own (large/check_in_slabs.py), which never holds the
-# cells. Prints time, memory and bytes of the last refinement. Docs: docs/reports/performance.md, "The largest run".
+# cells. Prints time, memory and bytes of the last refinement. Docs: docs/reports/performance-calls.md, "The largest run".
 #
 #   bench/large.sh [BUILD] [--cells N] [--ranks P] [--mesh FILE] [--min-free MB] [--out FOLDER]
 #
