@@ -44,7 +44,7 @@ def pixels(name):
 
 
 def picture(*arguments):
-    run("pamr-picture", *arguments, "-o", "p.png", "--force")
+    assert run("pamr-picture", *arguments, "-o", "p.png", "--force").err == "", "VTK's warnings are nobody's"
     return pixels("p.png")
 
 
@@ -132,6 +132,19 @@ def test_whole_cells_log_scales_views_and_mirrors_work_together():
     assert image.shape[:2] == (700, 500)
     middle = np.median(image[420:600, 120:300].reshape(-1, 3), axis=0)
     assert np.abs(middle - np.array([183, 55, 121])).max() < 60, middle
+
+
+def test_whole_cells_at_a_side_of_the_domain_are_those_that_lie_there():
+    import mesh_files
+    import shapes
+    from view import Plane
+    mesh = mesh_files.read(cubes()[0])
+    for normal, offset in (((1, 0, 0), 0.0), ((0, 1, 0), 0.0), ((0, 0, 1), 0.0), ((0, 0, -1), -1.0)):
+        plane = shapes.within(mesh, Plane(np.array(normal, float), offset))
+        faces = shapes.cells_behind(mesh, plane, {})
+        owners = np.unique(shapes.array(faces.GetCellData(), "owner"))
+        heights = (mesh.points[mesh.cells] @ np.array(normal, float) - offset).min(axis=1)
+        assert len(owners) >= 36 and np.abs(heights[owners]).max() < 1e-9, (normal, len(owners))
 
 
 @of_full_level

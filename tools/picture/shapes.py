@@ -9,6 +9,8 @@ from mesh_files import outer_faces
 from refused import Refused
 from view import Plane
 
+vtk.vtkObject.GlobalWarningDisplayOff()  # what is wrong with a file is said once, in this tool's words
+
 
 def poly_data(points, rows, are_lines=False):
     """Polygons or lines of equally many corners."""
@@ -101,8 +103,10 @@ def section(mesh, plane, fields):
 
 
 def cells_behind(mesh, plane, fields):
-    """The outer triangles of all cells whose centroid lies below the plane."""
+    """The outer triangles of all cells whose centroid lies below the plane; at a side of the domain of those that it cuts."""
     kept = np.nonzero(plane.height(mesh.points[mesh.cells].mean(axis=1)) <= 0)[0]
+    if not len(kept):
+        kept = np.nonzero(plane.height(mesh.points)[mesh.cells].min(axis=1) < 0)[0]
     faces, owner = outer_faces(mesh.cells[kept])
     return triangles_of(mesh, faces, kept[owner], fields)
 
