@@ -147,6 +147,13 @@ def test_whole_cells_at_a_side_of_the_domain_are_those_that_lie_there():
         assert len(owners) >= 36 and np.abs(heights[owners]).max() < 1e-9, (normal, len(owners))
 
 
+def test_titles_of_scales_fit_into_their_column():
+    import page
+    for title, lines in (("q, W/m^2", 1), ("density of the gas, 1/m^3", 3), ("temperature_translational", 2), ("x", 1)):
+        found = page.wrapped(title, page.BAR - 18)
+        assert len(found) == lines and "".join(found).replace(" ", "") == title.replace(" ", ""), found
+
+
 @of_full_level
 def test_one_process_of_an_mpi_job_draws():
     coarse, _ = cubes()

@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Puts panels, titles, axes and the scale of colors on one page by matplotlib."""
 import math
+import re
 
 import matplotlib
 matplotlib.use("Agg")
 import matplotlib.colors
 import matplotlib.figure
 import matplotlib.patches
+import matplotlib.textpath
 import matplotlib.ticker
 import numpy as np
 
@@ -17,6 +19,19 @@ from view import axis_text
 DPI = 100
 INK = tuple(c / 255 for c in palettes.INK)
 TITLE, LEGEND, MARGIN, AXIS, BAR = 62, 34, 14, 62, 112  # pixels
+TITLE_SIZE = 11  # of the scale, points
+
+
+def wrapped(title, width):
+    """The title in lines of at most so many pixels, broken after blanks and underscores; longer words stand alone."""
+    def length(text):
+        return matplotlib.textpath.TextPath((0, 0), text.rstrip() or " ", TITLE_SIZE).get_extents().x1 * DPI / 72
+    lines = [""]
+    for word in re.findall(r"[^\s_]*(?:_+|\s+|$)", title):
+        if lines[-1] and length(lines[-1] + word) > width:
+            lines.append("")
+        lines[-1] += word
+    return [line.rstrip() for line in lines if line.strip()]
 
 
 class Coloring:
@@ -199,9 +214,8 @@ class Page:
         bar.outline.set_linewidth(0.6)
         bar.outline.set_edgecolor(INK)
         bar.ax.tick_params(labelsize=10, color=INK, labelcolor=INK)
-        long = 6.6 * len(title) > self.width - left
-        self.figure.text((self.width - 8 if long else left - 6) / self.width, (bottom + height + 26) / self.height, title,
-                         fontsize=11, color=INK, va="bottom", ha="right" if long else "left")
+        self.figure.text((left - 6) / self.width, (bottom + height + 26) / self.height,
+                         "\n".join(wrapped(title, self.width - left)), fontsize=TITLE_SIZE, color=INK, va="bottom")
 
     def add_legend(self, names, colors, edges):
         handles = [matplotlib.patches.Patch(facecolor=np.asarray(c) / 255, edgecolor=np.asarray(e) / 255, label=n)
