@@ -99,7 +99,7 @@ def test_pictures_and_the_manual_know_every_ending():
     sys.path.insert(0, str(ROOT / "tools" / "picture"))
     import mesh_files
     for ending in ENDINGS:
-        assert "." + ending.rpartition(".")[2] in mesh_files.READERS or ending in (".cgns", ".mfem", ""), ending
+        assert (ending and "." + ending.rpartition(".")[2]) in mesh_files.READERS, ending
     page = (ROOT / "docs" / "tools" / "pamr-convert.md").read_text(encoding="utf-8")
     assert all(f"`{ending}`" in page for ending in ENDINGS if ending)
 

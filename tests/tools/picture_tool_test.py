@@ -13,7 +13,7 @@ import h5py
 import matplotlib.image
 import numpy as np
 
-from tool_run import BIN, LIMIT, SHARED, kuhn_cube, of_full_level, once, refuses, run, run_tests
+from tool_run import BIN, FULL, LIMIT, SHARED, kuhn_cube, of_full_level, once, refuses, run, run_tests
 
 
 @once
@@ -152,6 +152,35 @@ def test_titles_of_scales_fit_into_their_column():
     for title, lines in (("q, W/m^2", 1), ("density of the gas, 1/m^3", 3), ("temperature_translational", 2), ("x", 1)):
         found = page.wrapped(title, page.BAR - 18)
         assert len(found) == lines and "".join(found).replace(" ", "") == title.replace(" ", ""), found
+
+
+def test_every_format_of_the_tools_is_read():
+    import mesh_files
+    os.environ["PATH"] = f"{BIN}:{os.environ['PATH']}"
+    kuhn_cube("cube.hdf", 2)
+    others = ("cube.vtkhdf", "cube.msh", "cube.vtu", "cube.mesh", "cube.meshb", "cube.su2", "a.lb8.ugrid", "b.b8.ugrid")
+    for name in ("cube.cgns", "case", *(others if FULL else ())):
+        run("pamr-convert", "cube.hdf", name, "--quiet", serial=True)
+        mesh = mesh_files.read(name)
+        assert (len(mesh.cells), len(mesh.faces), mesh.file) == (48, 48, name), name
+        assert len(mesh.patches) == 6, (name, mesh.patches)
+    for name in ("cube.stl", "cube.obj", "cube.ply", "cube.off", "cube.vtp") if FULL else ():
+        run("pamr-convert", "cube.hdf", name, "--quiet", serial=True)
+        assert len(mesh_files.read(name).faces) == 48, name
+    mfem = ("MFEM mesh v1.0\n\ndimension\n3\n\nelements\n1\n1 4 0 1 2 3\n\nboundary\n4\n1 2 0 2 1\n1 2 0 1 3\n2 2 0 3 2\n"
+            "3 2 1 2 3\n\nvertices\n4\n3\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n")
+    for name, text in (("one.mfem", mfem), ("one.mesh", mfem), ("bom.mesh", "\ufeff" + mfem)):
+        pathlib.Path(name).write_text(text, encoding="utf-8")
+        mesh = mesh_files.read(name)
+        assert (len(mesh.cells), len(mesh.faces), len(mesh.patches)) == (1, 4, 3), (name, mesh.patches)
+    pathlib.Path("bad.cgns").write_text("no mesh")
+    os.mkdir("no case")
+    for name in ("bad.cgns", "no case", "cube"):
+        try:
+            mesh_files.read(name)
+            raise AssertionError(name)
+        except mesh_files.Refused as wrong:
+            assert name in str(wrong), wrong
 
 
 @of_full_level

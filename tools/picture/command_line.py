@@ -72,8 +72,8 @@ def plane(text):
 def parser(version):
     line = Parser(prog="pamr-picture", description=PURPOSE, epilog=EXAMPLES, allow_abbrev=False,
                   formatter_class=argparse.RawDescriptionHelpFormatter)
-    line.add_argument("meshes", nargs="+", metavar="MESH", help=".hdf, .vtu, .vtp, .vtk, .stl, .ply, .obj; .msh and others "
-                      "by meshio; several stand side by side")
+    line.add_argument("meshes", nargs="+", metavar="MESH", help="a mesh or surface in any format that the tools read; "
+                      "several stand side by side")
     line.add_argument("-o", "--output", required=True, metavar="PICTURE.png", help="picture to write")
     line.add_argument("--version", action="version", version=f"pamr-picture {version}")
     what = line.add_argument_group("what is shown")

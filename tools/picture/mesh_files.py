@@ -5,6 +5,10 @@ import dataclasses
 import fnmatch
 import io
 import os
+import shutil
+import subprocess
+import sys
+import tempfile
 
 import numpy as np
 
@@ -14,6 +18,7 @@ from tet import FACE_TO_CORNER
 NATIVE = (".hdf", ".vtkhdf")
 BY_VTK = (".vtu", ".vtp", ".vtk", ".stl", ".ply", ".obj")
 BY_MESHIO = (".msh", ".mesh", ".meshb", ".su2", ".off", ".ugrid")
+BY_CONVERT = (".cgns", ".mfem", "")  # "": the folder of an OpenFOAM case
 NO_PATCH = "boundary"
 
 
@@ -220,7 +225,7 @@ def read_by_meshio(file):
 
     data = [block.data for block in mesh.cells]
     cells, triangles = joined(data, "tetra", 4), joined(data, "triangle", 3)
-    tags = next((v for k, v in mesh.cell_data.items() if k in ("gmsh:physical", "medit:ref", "su2:tag")), None)
+    tags = next((v for k, v in mesh.cell_data.items() if k in ("gmsh:physical", "medit:ref", "su2:tag", "ugrid:ref")), None)
     tags = joined(tags, "triangle", 0).astype(int) if tags is not None and len(triangles) else np.zeros(len(triangles), int)
     names = {int(tag): name for name, (tag, dimension) in mesh.field_data.items() if dimension == 2}
     if len(cells):
@@ -234,19 +239,47 @@ def read_by_meshio(file):
     return surface(file, points, triangles, fields, dict(mesh.point_data), tags, names)
 
 
+def read_by_convert(file):
+    """Through a native file that pamr-convert writes, which lies beside this tool."""
+    tool = os.path.join(os.path.dirname(os.path.realpath(sys.argv[0])), "pamr-convert")
+    tool = tool if os.path.exists(tool) else shutil.which("pamr-convert")
+    if tool is None:
+        raise Refused(f"{file}: reading this format needs pamr-convert beside pamr-picture, found none")
+    environment = {k: v for k, v in os.environ.items() if not k.startswith(("OMPI_", "PMI", "PRTE_"))}  # alone
+    from picture import unfinished
+    with tempfile.TemporaryDirectory(prefix="pamr-picture-") as folder:
+        unfinished.append(folder)
+        native = os.path.join(folder, "mesh.hdf")
+        done = subprocess.run([tool, file, native, "--quiet"], capture_output=True, text=True, env=environment)
+        if done.returncode:
+            raise Refused(done.stderr.strip().removeprefix("pamr-convert: error: ") or f"{file}: pamr-convert failed")
+        mesh = read_native(native)
+    mesh.file = file
+    return mesh
+
+
 # Who reads which ending; tests/python/formats_test.py compares it with the table of formats (lib/pamr/io/formats.cpp).
-READERS = {**dict.fromkeys(NATIVE, read_native), **dict.fromkeys(BY_VTK, read_by_vtk), **dict.fromkeys(BY_MESHIO, read_by_meshio)}
+READERS = {**dict.fromkeys(NATIVE, read_native), **dict.fromkeys(BY_VTK, read_by_vtk), **dict.fromkeys(BY_MESHIO, read_by_meshio),
+           **dict.fromkeys(BY_CONVERT, read_by_convert)}
+
+
+def is_mfem(file):
+    """Both MFEM and Medit call their files .mesh."""
+    with open(file, "rb") as text:
+        return text.read(8).removeprefix(b"\xef\xbb\xbf").startswith(b"MFEM")
 
 
 def read(file):
     """The mesh of a file; the extension decides who reads it."""
-    extension = os.path.splitext(file)[1].lower()
+    extension = "" if os.path.isdir(file) else os.path.splitext(file)[1].lower()
     if not os.path.exists(file):
         raise Refused(f"{file}: expected a mesh file, found nothing of that name")
-    if not os.path.isfile(file):
-        raise Refused(f"{file}: expected a mesh file, found a folder or device")
-    if extension not in READERS:
-        raise Refused(f"{file}: expected a name that ends in {', '.join(READERS)}")
+    if not os.path.isfile(file) and not os.path.isdir(file):
+        raise Refused(f"{file}: expected a mesh file, found a device")
+    if extension not in READERS or extension == "" and not os.path.isdir(file):
+        raise Refused(f"{file}: expected a name that ends in {', '.join(filter(None, READERS))}, or an OpenFOAM case")
+    if extension == ".mesh" and is_mfem(file):
+        extension = ".mfem"
     mesh = READERS[extension](file)
     if not np.isfinite(mesh.points).all():
         raise Refused(f"{file}: expected finite coordinates, found others")

@@ -4,6 +4,7 @@ import errno
 import io
 import json
 import os
+import shutil
 import signal
 import sys
 
@@ -12,15 +13,17 @@ from refused import Refused
 TOOL = "pamr-picture"
 
 
-unfinished = []  # files that an interrupt removes
+unfinished = []  # files and folders that an interrupt removes
 
 
 def interrupt(_number, _frame):
     """Ends the process here: an exception could be lost in a destructor. The screen ends with its parent."""
     os.write(2, f"{TOOL}: interrupted: outputs that were not complete are removed\n".encode())
-    for file in unfinished:
-        if os.path.exists(file):
-            os.unlink(file)
+    for path in unfinished:
+        if os.path.isdir(path):
+            shutil.rmtree(path, ignore_errors=True)
+        elif os.path.exists(path):
+            os.unlink(path)
     os._exit(6)
 
 
