@@ -6,8 +6,14 @@ The pages have no directives. What a site needs beyond them is added while they 
 - docs/reports and studies are a book of their own, which the search leaves out.
 - docs/api/cpp.md names namespaces and headers (docs/build.sh gives those headers to Doxygen); what they declare follows each namespace.
 - docs/api/python.md names modules, likewise.
+- Blocks of code without a language get the one that their first lines look like.
+- Debian's furo has a script that imports another, which browsers allow in modules only, and a style that imports one from a
+  server's folder: each becomes one file.
+- Browsers do not let the search read other pages from a disk: it has their texts in a script of its own.
 """
+import json
 import os
+import pathlib
 import re
 
 project = "PAMR"
@@ -86,7 +92,56 @@ def list_arguments(app, what, name, obj, options, lines):
         in_list = bool(argument)
 
 
+LANGUAGES = (("toml", r"\[{1,2}[\w.]+\]\s*(?:#|$)|[\w.]+ = (?:[\"\[\d-]|true|false)"),
+             ("cpp", r"#include|(?:const )?auto |using |namespace |\w+::|//"),
+             ("python", r"import |from \w+ import |def |with .*:$|for .*:$|\w+ = \w+[.(]"),
+             ("sh", r"#|\$ |pamr-\w+ |[\w./-]+\.(?:sh|py)\b|(?:\.ci/run|apt-get|cd|chrt|cmake|ctest|export|git|grep|ls|mpirun|python3|sudo) |[A-Z]+="))
+
+
+def color_code(app, doctree):
+    for block in doctree.findall(lambda node: node.tagname == "literal_block" and node.get("language", "none") in ("none", "default")):
+        first = next(filter(None, map(str.strip, block.astext().splitlines())), "")
+        block["language"] = next((name for name, begin in LANGUAGES if re.match(begin, first)), "none")
+
+
+def add_texts_to_the_search(app, pagename, templatename, context, doctree):
+    if pagename == "search":
+        app.add_js_file("search_texts.js")
+
+
+def join_files_of_the_theme(static):
+    furo, gumshoe, style = static / "scripts" / "furo.js", static / "scripts" / "gumshoe-patched.js", static / "styles" / "furo.css"
+    text = re.sub(r"^import \w+ from .*\n", "", furo.read_text(encoding="utf-8"), count=1)
+    if gumshoe.exists():
+        furo.write_text(gumshoe.read_text(encoding="utf-8") + text, encoding="utf-8")
+    text = style.read_text(encoding="utf-8")
+    style.write_text(re.sub(r"@import url\((/javascript/[^)]*)\);", lambda m: pathlib.Path("/usr/share" + m[1]).read_text(encoding="utf-8"),
+                            text), encoding="utf-8")
+
+
+def finish(app, error):
+    if error or app.builder.name != "html":
+        return
+    out, texts = pathlib.Path(app.outdir), {}
+    join_files_of_the_theme(out / "_static")
+    for name in sorted(app.env.all_docs):
+        if "nosearch" not in app.env.metadata.get(name, {}):
+            page = (out / (name + ".html")).read_text(encoding="utf-8")
+            main = re.search(r'<article role="main">(.*?)</article>', page, re.S).group(1)
+            code = re.findall(r"<pre>.*?</pre>", main, re.S)  # behind the sentences; the title is shown in any case
+            main = re.sub(r'<h1>.*?</h1>|<pre>.*?</pre>|<a class="headerlink".*?</a>', "", main, flags=re.S) + " ".join(code)
+            texts[f"./{name}.html"] = " ".join(re.sub(r"<[^>]*>", "", main).split())
+    script = ("// Texts of the pages as HTML, for excerpts of the search.\n"
+              f"const TEXTS = {json.dumps(texts, ensure_ascii=False)};\n"
+              "const page = (text) => ({text: async () => `<div role=\"main\">${text}</div>`});\n"
+              "window.fetch = async (url) => page(TEXTS[url] || \"\");\n")
+    (out / "_static" / "search_texts.js").write_text(script, encoding="utf-8")
+
+
 def setup(app):
+    app.connect("doctree-read", color_code)
+    app.connect("html-page-context", add_texts_to_the_search)
+    app.connect("build-finished", finish)
     app.connect("source-read", add_interfaces)
     app.connect("source-read", leave_reports_out_of_the_search)
     app.connect("autodoc-process-docstring", list_arguments)
