@@ -139,13 +139,13 @@ def test_families_that_format_1_does_not_know_are_refused():
 
 def test_other_formats_are_refused():
     kuhn_cube("a.hdf", 1)
-    for number in (0, 4, -1, "x"):
+    for number in (0, 5, -1, "x"):
         refuses("pamr-convert", "a.hdf", "out.hdf", "--format", number, says=["--format"], creates="out.hdf")
     refuses("pamr-convert", "a.hdf", "out.msh", "--format", 1, says=["--format", ".hdf"], creates="out.msh")
     with h5py.File("a.hdf", "r+") as file:
-        file["PAMR"].attrs["format"] = 4
+        file["PAMR"].attrs["format"] = 5
     refuses("pamr-refine", add_cell_field("a.hdf", "refine", np.ones(6, np.uint8)), "-o", "out.hdf",
-            says=["format", "from 1 to 3", "found 4"], creates="out.hdf")
+            says=["format", "from 1 to 4", "found 5"], creates="out.hdf")
 
 
 run_tests(globals(), on_ranks=(test_it_is_the_mesh_that_it_was, test_it_is_refined_as_it_was))
