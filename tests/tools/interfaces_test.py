@@ -124,7 +124,7 @@ def test_faces_inside_are_patches_and_stay_so():
             back = run("pamr-convert", out, "back.hdf", "--force", "--json", "-", serial=True).json
             assert len(back["patches"]) == len(patches) and list(back["inner_faces"].values()) == [4], (out, back)
         back = run("pamr-quality", "fine.hdf", "--json", "-", serial=True).json
-        assert [p["faces"] for p in back["patches"]] == ([28] if name == "same" else [24, 4])
+        assert [p["faces"] for p in back["patches"].values()] == ([28] if name == "same" else [24, 4])
         run("pamr-convert", "fine.hdf", "su2.su2", "--force")
         refuses("pamr-convert", f"{name}.hdf", "old.hdf", "--format", "2", says=["expected 4"], creates="old.hdf")
 
