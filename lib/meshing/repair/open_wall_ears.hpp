@@ -10,7 +10,8 @@ namespace pamr::meshing {
 /// Takes the ears away: splits each edge of `ears`, and so all cells around it, by a new node, and each face of them,
 /// and so the cells at it, by another.
 ///
-/// - The boundary keeps its shape, and so do the faces between regions and those with a patch: new nodes in them lie in the middle.
+/// - The boundary keeps its shape, and so do faces between regions and inner faces with a patch: new nodes in them lie in
+///   the middle.
 /// - Edges are split in falling order of length, so that neighbors agree on their common faces.
 /// - Children take the place of their parent in the order of cells, new nodes come last.
 /// - Other new nodes go where the cells at them are best (`improve_nodes`). So do inner nodes of the split cells where the

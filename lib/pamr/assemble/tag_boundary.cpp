@@ -148,7 +148,7 @@ BoundaryMatch::Misfit to_misfit(std::int64_t number) {
   throw Error(where + "a face of a cell, found no cell with these nodes");
 }
 
-/// What the faces and triangles that meet on this rank say.
+/// Result of matching the faces and triangles on this rank.
 struct Outcome {
   BoundaryMatch match;
   std::int64_t first = std::numeric_limits<std::int64_t>::max();  ///< triangle that cannot be used, as a number
@@ -170,7 +170,7 @@ struct Outcome {
   }
 };
 
-/// Boundary faces get their answers; triangles that are none are put apart. Local.
+/// Matches boundary faces with triangles; other triangles are put into `outcome.apart`. Local.
 void match_outside(const std::vector<Meeting>& meeting, std::optional<int> untagged, Outcome& outcome,
                    par::Mailbox<Answer>& answers) {
   for (std::size_t i = 0, end = 0; i < meeting.size(); i = end) {
@@ -186,7 +186,7 @@ void match_outside(const std::vector<Meeting>& meeting, std::optional<int> untag
   }
 }
 
-/// The same of faces inside, which both of their cells get the answer of. Local.
+/// Matches inner faces with triangles; both cells at a face get the answer. Local.
 void match_inside(const std::vector<Meeting>& meeting, Outcome& outcome, par::Mailbox<Answer>& answers) {
   for (std::size_t i = 0, end = 0; i < meeting.size(); i = end) {
     end = end_of_face(meeting, i);

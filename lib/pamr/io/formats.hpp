@@ -83,8 +83,9 @@ std::string list_endings(const Format& format, std::string_view before_last);
 /// same `Error` on every rank.
 ElementMesh read_mesh(const par::Comm& comm, const std::filesystem::path& file, const MeshReadOptions& options = {});
 
-/// Writes a mesh. `options.remark` hears of what the format has no place for: patches of faces inside. The bytes do not depend on the number of ranks. Collective; throws the same `Error` on every rank,
-/// and leaves nothing behind then.
+/// Writes a mesh. `options.remark` gets a sentence for patches of inner faces that the format has no place for. The bytes
+/// do not depend on the number of ranks. Collective; throws the same `Error` on every rank, and leaves nothing behind
+/// then.
 void write_mesh(const par::Comm& comm, const std::filesystem::path& file, const mesh::DistMesh& mesh,
                 const MeshWriteOptions& options = {});
 

@@ -8,7 +8,7 @@
 
 namespace pamr::mesh {
 
-/// Triangles of the boundary with the patch of each, as many solvers hold it: any number on each rank, in any order,
+/// Triangles of the boundary or inside with the patch of each, as many solvers hold it: any number on each rank, in any order,
 /// the corners of each in any order.
 struct BoundaryTriangles {
   std::vector<std::array<GlobalId, 3>> node;  ///< t x 3, global
@@ -22,7 +22,7 @@ struct BlockMesh {
   GlobalId first_cell = 0;
   std::vector<std::array<GlobalId, 4>> cell_to_node;  ///< n x 4, global
   std::vector<std::array<GlobalId, 4>> cell_to_cell;  ///< n x 4, global or -(patch+1); empty on every rank: to be built
-  /// Which patches the faces of the boundary belong to, where neighbors are to be built; faces without a triangle then
+  /// Which patches faces of the boundary and inner faces belong to, where neighbors are to be built; faces without a triangle then
   /// get the patch `boundary`. Beside neighbors it has to agree with them. Empty on every rank: see
   /// `assemble::assemble`.
   BoundaryTriangles boundary;

@@ -30,7 +30,8 @@ struct Violation {
 /// | `finite_coordinates`    | (where: node) no infinite coordinate, no NaN                                           |
 /// | `orientation_positive`  | (p1-p0) x (p2-p0) . (p3-p0) > 0 by exact arithmetic                                    |
 /// | `not_flat`              | mean ratio of at least 1e-8                                                            |
-/// | `patches_in_range`      | boundary faces name a patch that exists                                                |
+/// | `patches_in_range`      | boundary and inner faces name patches that exist                                       |
+/// | `inner_patches_agree`   | both cells at an inner face name the same patch for it                                  |
 /// | `neighbors_reciprocal` | a neighbor names the cell in turn, across the same nodes, and lies on their other side
 /// | | `conforming`            | a face is in one cell, with a patch, or in two that name each other: no hanging node |
 /// | `border_matches`        | both ranks list the same rank-border faces in the same order                           |

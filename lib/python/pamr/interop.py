@@ -24,8 +24,8 @@ def from_meshio(comm: Any, mesh: Any, tags: Optional[str] = None, names: Optiona
         "region" come before cell sets).
     names: of the tags; default: those of the file's physical surfaces (``field_data``).
     repair: as in ``Mesh.from_arrays``.
-    Points and lines, points of no tetrahedron, and triangles between two regions are left out. A Python warning on rank 0 counts
-    what is, but for points and lines. Cells of other kinds raise pamr.Error.
+    Points and lines, and points of no tetrahedron, are left out. A Python warning on rank 0 counts what is, but for points and
+    lines. Cells of other kinds raise pamr.Error.
     """
     def prepare() -> tuple[Any, Any]:
         if comm.rank != 0:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Faces inside that have a patch: their parts have it after every split, and they have it again when splits are taken back.
+// Patches of inner faces: children of a face inherit its patch, and coarsening restores it.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 

@@ -13,10 +13,9 @@ namespace pamr::io {
 /// and cells keep their order; faces between cells come first, by owner (the smaller cell), then by neighbor, as
 /// OpenFOAM wants them, then the boundary, patch by patch. Patches keep their names, but for characters that its words
 /// cannot have, which become `_`; a patch of kind `wall`, `symmetry` or `symmetryPlane` has that type, others `patch`.
-/// Numbers have as many digits as it takes to read the same ones back. The cells of each region
-/// (integer cell field `region`, but 0) become a zone in `cellZones`, named as the region is, or `region_N`, the faces inside of each patch one in `faceZones`,
-/// seen from the cell with the lower number. Fields are
-/// left out. The same bytes on any
+/// Numbers have as many digits as it takes to read the same ones back. The cells of each region (integer cell field
+/// `region`, but 0) become a zone in `cellZones`, named as the region is, or `region_N`. The inner faces of each patch
+/// become a zone in `faceZones`, seen from the cell with the lower number. Fields are left out. The same bytes on any
 /// number of ranks. A folder `polyMesh` that is there already is replaced when the new one is complete.
 ///
 /// Collective; O(cells / ranks) bytes a rank. Throws the same `Error` on every rank and leaves nothing new behind then;
