@@ -203,16 +203,14 @@ py::tuple inner_faces(const PythonMesh& mesh) {
   const mesh::InnerPatches patches(mesh.mesh);
   std::vector<std::int32_t> cell, slot, patch, nodes;
   std::vector<std::uint8_t> is_first;
-  for (LocalId c = 0; c < (patches.is_empty() ? 0 : mesh.mesh.n_cells()); ++c)
-    for (int f = 0; f < 4; ++f) {
-      if (patches.of({c, f}) < 0) continue;
-      cell.push_back(c);
-      slot.push_back(f);
-      patch.push_back(patches.of({c, f}));
-      is_first.push_back(patches.is_first_side({c, f}) ? 1 : 0);
-      for (const auto corner : mesh::tet::face_to_corner[at(f)])
-        nodes.push_back(mesh.mesh.cell_to_node[at(c)][at(corner)]);
-    }
+  patches.for_each([&](mesh::CellFace face, int of_face) {
+    cell.push_back(face.cell);
+    slot.push_back(face.slot);
+    patch.push_back(of_face);
+    is_first.push_back(patches.is_first_side(face) ? 1 : 0);
+    for (const auto corner : mesh::tet::face_to_corner[at(face.slot)])
+      nodes.push_back(mesh.mesh.cell_to_node[at(face.cell)][at(corner)]);
+  });
   const auto n = static_cast<py::ssize_t>(cell.size());
   return py::make_tuple(copy_out(cell), copy_out(slot), copy_out(patch), copy_out(nodes).reshape({n, py::ssize_t{3}}),
                         copy_out(is_first));

@@ -114,28 +114,23 @@ void scatter_nodes(const par::Comm& comm, const mesh::DistMesh& mesh, const std:
 /// Gives faces their patches; neighbors were built without them.
 void name_patches(const std::vector<std::array<int, 4>>& patch, bool has_inner_patches, mesh::DistMesh& mesh) {
   PAMR_ENSURES(patch.size() == mesh.cell_to_cell.size());
-  std::vector<std::pair<std::size_t, std::size_t>> inside;
+  auto* word = has_inner_patches ? &mesh::make_inner_patches(mesh) : nullptr;
   for (std::size_t c = 0; c < patch.size(); ++c)
     for (std::size_t k = 0; k < 4; ++k) {
       auto& next = mesh.cell_to_cell[c][k];
-      PAMR_ENSURES(next >= 0 || patch[c][k] != inner_face);
+      const bool has_patch = patch[c][k] != inner_face;
+      PAMR_ENSURES(next < 0 ? has_patch : !has_patch || word != nullptr);
       if (next < 0)
         next = mesh::patch_to_slot(patch[c][k]);
-      else if (patch[c][k] != inner_face)
-        inside.emplace_back(c, k);
+      else if (has_patch)
+        (*word)[c] = mesh::with_inner_patch((*word)[c], static_cast<int>(k), patch[c][k]);
     }
-  if (!has_inner_patches) return;
-  auto& word = mesh::make_inner_patches(mesh);
-  for (const auto& [c, k] : inside) word[c] = mesh::with_inner_patch(word[c], static_cast<int>(k), patch[c][k]);
 }
 
 /// The faces that keep their shape: between regions, and those inside with a patch. Collective.
 std::vector<mesh::RegionFace> fixed_faces(const par::Comm& comm, const mesh::DistMesh& mesh) {
   auto faces = mesh::faces_between_regions(comm, mesh);
-  const mesh::InnerPatches patches(mesh);
-  for (LocalId c = 0; c < mesh.n_cells(); ++c)
-    for (int slot = 0; slot < 4; ++slot)
-      if (patches.of({c, slot}) >= 0) faces.push_back({{c, slot}, {}});
+  mesh::InnerPatches(mesh).for_each([&](mesh::CellFace face, int) { faces.push_back({face, {}}); });
   return faces;
 }
 

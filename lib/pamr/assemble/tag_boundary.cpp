@@ -130,14 +130,11 @@ BoundaryMatch::Misfit to_misfit(std::int64_t number) {
       is_mine ? std::vector<GlobalId>(triangles.node[row].begin(), triangles.node[row].end()) : std::vector<GlobalId>(),
       misfit.rank);
   const auto key = sorted({nodes[0], nodes[1], nodes[2]});
-  const mesh::InnerPatches inner(mesh);
+  const mesh::InnerPatches patches(mesh);
   std::int64_t patch = -1;
   for (LocalId c = 0; c < mesh.n_cells(); ++c)
     for (int slot = 0; slot < 4; ++slot)
-      if (mesh::face_key(mesh, {c, slot}) == key) {
-        const auto neighbor = mesh.cell_to_cell[at(c)][at(slot)];
-        patch = neighbor < 0 ? mesh::slot_to_patch(neighbor) : inner.of({c, slot});
-      }
+      if (mesh::face_key(mesh, {c, slot}) == key) patch = patches.of_any({c, slot});
   patch = comm.max(patch);
   const auto own_patch = comm.max(std::int64_t{is_mine ? triangles.patch[row] : -1});
   const auto where = fmt::format("triangle {} of rank {}, nodes {} {} {}: expected ", misfit.row, misfit.rank, nodes[0],

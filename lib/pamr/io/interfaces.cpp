@@ -53,10 +53,9 @@ TriangleGroups group_triangles(const par::Comm& comm, const mesh::DistMesh& mesh
     }
   if (interfaces == Interfaces::none) return groups;
   const mesh::InnerPatches inner(mesh);
-  for (LocalId c = 0; c < (inner.is_empty() ? 0 : mesh.n_cells()); ++c)
-    for (int slot = 0; slot < 4 && inner.word(c) != 0; ++slot)
-      if (const int patch = inner.of({c, slot}); patch >= 0 && inner.is_first_side({c, slot}))
-        groups.of_face[at(c)][at(slot)] = patch;
+  inner.for_each([&](mesh::CellFace face, int patch) {
+    if (inner.is_first_side(face)) groups.of_face[at(face.cell)][at(face.slot)] = patch;
+  });
   if (interfaces == Interfaces::patches) return groups;
   auto faces = mesh::faces_between_regions(comm, mesh);
   std::erase_if(faces, [&inner](const mesh::RegionFace& one) { return inner.of(one.face) >= 0; });

@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "pamr/base/error.hpp"
 #include "pamr/base/memory.hpp"
 
@@ -14,10 +16,10 @@ InnerPatches::InnerPatches(const DistMesh& mesh) : mesh_(&mesh) {
 
 bool InnerPatches::is_first_side(CellFace face) const {
   const auto next = mesh_->cell_to_cell[at(face.cell)][at(face.slot)];
-  const auto other = mesh_->is_ghost(next) ? mesh_->ghost_global[at(next - mesh_->n_cells())]
-                     : next >= 0           ? mesh_->cell_global[at(next)]
-                                           : invalid_global;
-  return other == invalid_global || mesh_->cell_global[at(face.cell)] < other;
+  if (next < 0) return true;
+  const auto other =
+      mesh_->is_ghost(next) ? mesh_->ghost_global[at(next - mesh_->n_cells())] : mesh_->cell_global[at(next)];
+  return mesh_->cell_global[at(face.cell)] < other;
 }
 
 std::vector<std::int64_t>& make_inner_patches(DistMesh& mesh) {
@@ -31,24 +33,21 @@ std::vector<std::int64_t>& make_inner_patches(DistMesh& mesh) {
 std::vector<std::int64_t> count_inner_faces(const par::Comm& comm, const DistMesh& mesh) {
   const InnerPatches patches(mesh);
   std::vector<std::int64_t> n(mesh.info.patches.size(), 0);
-  for (LocalId c = 0; c < (patches.is_empty() ? 0 : mesh.n_cells()); ++c)
-    for (int slot = 0; slot < 4 && patches.word(c) != 0; ++slot)
-      if (const int patch = patches.of({c, slot}); patch >= 0 && patches.is_first_side({c, slot})) ++n[at(patch)];
+  patches.for_each([&](CellFace face, int patch) { n[at(patch)] += patches.is_first_side(face) ? 1 : 0; });
   comm.sum_in_place(n);
   return n;
 }
 
 std::vector<bool> patches_inside_alone(const par::Comm& comm, const DistMesh& mesh) {
-  const InnerPatches patches(mesh);
-  const auto n_patches = mesh.info.patches.size();
-  std::vector<std::int64_t> n(2 * n_patches, 0);  // on the boundary, then inside
-  for (LocalId c = 0; c < mesh.n_cells(); ++c)
-    for (int slot = 0; slot < 4; ++slot)
-      if (const int patch = patches.of_any({c, slot}); patch >= 0)
-        ++n[at(patch) + (mesh.cell_to_cell[at(c)][at(slot)] < 0 ? 0 : n_patches)];
-  comm.sum_in_place(n);
-  std::vector<bool> alone;
-  for (std::size_t p = 0; p < n_patches; ++p) alone.push_back(n[p] == 0 && n[p + n_patches] > 0);
+  const auto n_inside = count_inner_faces(comm, mesh);
+  std::vector<bool> alone(n_inside.size(), false);
+  if (std::all_of(n_inside.begin(), n_inside.end(), [](std::int64_t n) { return n == 0; })) return alone;
+  std::vector<std::int64_t> n_outside(n_inside.size(), 0);
+  for (const auto& neighbors : mesh.cell_to_cell)
+    for (const auto next : neighbors)
+      if (next < 0) ++n_outside[at(slot_to_patch(next))];
+  comm.sum_in_place(n_outside);
+  for (std::size_t p = 0; p < alone.size(); ++p) alone[p] = n_outside[p] == 0 && n_inside[p] > 0;
   return alone;
 }
 

@@ -49,6 +49,13 @@ class InnerPatches {
   }
   /// Whether a face is to be counted from this side: true for the cell with the lower number of the two.
   bool is_first_side(CellFace face) const;
+  /// Calls `visit(CellFace, patch)` for each inner face of this rank's cells that has a patch, from each of these cells.
+  template <class Visit>
+  void for_each(Visit&& visit) const {
+    for (LocalId cell = 0; cell < (is_empty() ? 0 : mesh_->n_cells()); ++cell)
+      for (int slot = 0; slot < 4 && word(cell) != 0; ++slot)
+        if (const int patch = of({cell, slot}); patch >= 0) visit(CellFace{cell, slot}, patch);
+  }
 
  private:
   const DistMesh* mesh_;
@@ -61,7 +68,8 @@ std::vector<std::int64_t>& make_inner_patches(DistMesh& mesh);
 /// Faces of each patch inside, each face once. Collective: one reduction.
 std::vector<std::int64_t> count_inner_faces(const par::Comm& comm, const DistMesh& mesh);
 
-/// Of each patch whether it has faces inside and none on the boundary. Collective: one reduction.
+/// Of each patch whether it has faces inside and none on the boundary. Collective: one reduction, two where
+/// there are faces inside with a patch.
 std::vector<bool> patches_inside_alone(const par::Comm& comm, const DistMesh& mesh);
 
 /// Throws `Error` where a field of that name is none of these: not one integer, a patch that is not there. Local.

@@ -81,16 +81,13 @@ void check_inner_patches(const par::Comm& comm, const mesh::DistMesh& mesh, Find
   if (!is_sound) findings.add(Invariant::inner_patches_agree, -1);
   if (comm.any(!is_sound)) return;
   const mesh::InnerPatches inner(mesh);
-  for (LocalId c = 0; c < mesh.n_cells(); ++c)
-    for (int slot = 0; slot < 4 && inner.word(c) != 0; ++slot) {
-      const int patch = inner.of({c, slot});
-      if (patch < 0) continue;
-      if (at(patch) >= mesh.info.patches.size()) findings.add(Invariant::patches_in_range, number_of(mesh, c));
-      const auto next = slot_at(mesh, {c, slot});
-      const bool agrees = mesh.is_ghost(next) ||
-                          (next >= 0 && inner.of({next, mesh::slot_of(mesh.cell_to_cell[at(next)], c)}) == patch);
-      if (!agrees) findings.add(Invariant::inner_patches_agree, number_of(mesh, c));
-    }
+  inner.for_each([&](mesh::CellFace face, int patch) {
+    const auto cell = face.cell, next = slot_at(mesh, face);
+    if (at(patch) >= mesh.info.patches.size()) findings.add(Invariant::patches_in_range, number_of(mesh, cell));
+    const bool agrees = mesh.is_ghost(next) ||
+                        (next >= 0 && inner.of({next, mesh::slot_of(mesh.cell_to_cell[at(next)], cell)}) == patch);
+    if (!agrees) findings.add(Invariant::inner_patches_agree, number_of(mesh, cell));
+  });
   const bool sides_agree = mesh::border_agrees(
       comm, mesh, [&](std::size_t k, bool) { return static_cast<std::uint64_t>(inner.of(mesh.border_face[k]) + 1); });
   if (!sides_agree) findings.add(Invariant::inner_patches_agree, -1);

@@ -64,7 +64,7 @@ auto value_by_value(ValueOf value_of) {
 
 /// The lowest number of a format that has a place for all that is written, which older versions can read. Local.
 int format_needed(const mesh::DistMesh& mesh, int format) {
-  if (mesh.find_cell_field(mesh::inner_patch_field) != nullptr) return format;
+  if (mesh.find_cell_field(mesh::inner_patch_field) != nullptr) return first_format_with_inner_patches;
   return std::min(format, writes_level0(mesh, format) ? first_format_with_level0 : first_format_with_level0 - 1);
 }
 
