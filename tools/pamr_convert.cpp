@@ -19,6 +19,7 @@
 #include "meshing/read_mesh_case.hpp"
 #include "meshing/repair/find_wall_ears.hpp"
 #include "meshing/repair/open_wall_ears.hpp"
+#include "pamr/base/counted.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/curved/curve_cells.hpp"
@@ -198,12 +199,14 @@ void treat_ears(cli::Session& session, const Options& options, mesh::DistMesh& m
   }
   if (ears.count() == 0) return;
   std::string found;
-  if (ears.n_inside > 0) found = fmt::format("{} inner faces with two edges on one curved wall", ears.n_inside);
+  if (ears.n_inside > 0)
+    found = counted(ears.n_inside, "inner face", "inner faces") + " with two edges on one curved wall";
   if (ears.n_at_rims > 0)
-    found += fmt::format("{}{} boundary faces with two edges on the rim of a curved wall", found.empty() ? "" : " and ",
-                         ears.n_at_rims);
+    found += fmt::format("{}{} with two edges on the rim of a curved wall", found.empty() ? "" : " and ",
+                         counted(ears.n_at_rims, "boundary face", "boundary faces"));
   if (ears.n_left > 0) found += fmt::format(" ({} in a curved or periodic patch, which are left)", ears.n_left);
-  const auto splits = fmt::format("{} edges and {} faces", ears.edge.size(), ears.face.size());
+  const auto splits =
+      counted(std::ssize(ears.edge), "edge", "edges") + " and " + counted(std::ssize(ears.face), "face", "faces");
   std::string cure = "make level 0 with shorter edges there";
   if (ears.can_be_opened() && repair)
     cure = fmt::format("{} were split, and the boundary keeps its shape{}", splits,
@@ -234,14 +237,15 @@ mesh::SecondOrder curve(cli::Session& session, const mesh::DistMesh& mesh, nlohm
   report["max_off_surface"] = curved.max_off_surface;
   if (straightening.n_edges > 0)
     session.warn(fmt::format(
-        "{} cells would fold or nearly so with curved edges: {} of {} curved edges are straighter than their surfaces, "
+        "{} would fold or nearly so with curved edges: {} of {} curved edges {} straighter than their surfaces, "
         "by up to {:.3g}; refine the mesh there",
-        straightening.n_cells, straightening.n_edges, curved.n_curved_edges, curved.max_off_surface));
+        counted(straightening.n_cells, "cell", "cells"), straightening.n_edges, curved.n_curved_edges,
+        straightening.n_edges == 1 ? "is" : "are", curved.max_off_surface));
   else if (curved.n_off_surface > 0)
     session.warn(
-        fmt::format("{} mid-edge nodes are off their surfaces, by up to {:.3g}: no common point of the surfaces "
+        fmt::format("{} off their surfaces, by up to {:.3g}: no common point of the surfaces "
                     "of their patches was found near by",
-                    curved.n_off_surface, curved.max_off_surface));
+                    counted(curved.n_off_surface, "mid-edge node is", "mid-edge nodes are"), curved.max_off_surface));
   return std::move(nodes);
 }
 
@@ -281,10 +285,9 @@ cli::ExitCode convert_file(cli::Session& session, Options options) {
   report_groups(session, options, mesh, report);
   for (const auto& region : mesh.info.regions) report["regions"][std::to_string(region.number)] = region.name;
   session.write_report(report);
-  const auto n_patches = mesh.info.patches.size();
-  session.summary(fmt::format("{} cells{}, {} nodes, {} {} -> {}", mesh.info.n_global_cells,
-                              second_order ? summary_of_order(report) : "", n_nodes, n_patches,
-                              n_patches == 1 ? "patch" : "patches", options.output));
+  session.summary(fmt::format("{} cells{}, {} nodes, {} -> {}", mesh.info.n_global_cells,
+                              second_order ? summary_of_order(report) : "", n_nodes,
+                              counted(std::ssize(mesh.info.patches), "patch", "patches"), options.output));
   return cli::ExitCode::done;
 }
 
@@ -296,8 +299,8 @@ int main(int argc, char** argv) {
       argc, argv,
       {"pamr-convert",
        "Converts meshes from and to the formats of Gmsh, VTK, Medit, SU2, AFLR3, OpenFOAM and CGNS, and from MFEM's.",
-       "pamr-convert part.msh part.hdf --surfaces part.toml\n  pamr-convert level3.hdf level3.vtu\n  pamr-convert "
-       "level3.hdf curved.msh --order 2\n  pamr-convert level3.hdf foam_case",
+       "pamr-convert part.msh part.hdf --surfaces part.toml\npamr-convert level3.hdf level3.vtu\npamr-convert "
+       "level3.hdf curved.msh --order 2\npamr-convert level3.hdf foam_case",
        cli::files_in_case},
       [&](cli::CommandLine& line) { convert::declare(line, options); },
       [&](cli::Session& session) { return convert_file(session, options); });

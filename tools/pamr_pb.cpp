@@ -8,6 +8,7 @@
 
 #include "cli/run_tool.hpp"
 #include "pamr/assemble/assemble.hpp"
+#include "pamr/base/counted.hpp"
 #include "pamr/base/timer.hpp"
 #include "pamr/io/native/native_file.hpp"
 #include "pamr/validate/validate.hpp"
@@ -74,14 +75,15 @@ nlohmann::json print_case(const cli::Session& session, const pb::Problem& proble
     session.summary(fmt::format("second order: {} unknowns, {} of {} edges curved", elements->n_global_nodes,
                                 report.n_curved_edges, report.n_edges));
     if (report.straightening.n_edges > 0)
-      session.warn(fmt::format(
-          "{} cells would fold or nearly so with curved edges: {} edges are straighter than their surfaces, by up to "
-          "{:.3g} length units; refine the mesh there",
-          report.straightening.n_cells, report.straightening.n_edges, report.max_off_surface));
+      session.warn(
+          fmt::format("{} would fold or nearly so with curved edges: {} straighter than the surfaces, by up to "
+                      "{:.3g} length units; refine the mesh there",
+                      counted(report.straightening.n_cells, "cell", "cells"),
+                      counted(report.straightening.n_edges, "edge is", "edges are"), report.max_off_surface));
   }
   if (problem.conditions.n_contradictions > 0)
-    session.warn(fmt::format("{} nodes lie on patches with different potentials; the first of them in the mesh decides",
-                             problem.conditions.n_contradictions));
+    session.warn(fmt::format("{} on patches with different potentials; the first of them in the mesh decides",
+                             counted(problem.conditions.n_contradictions, "node lies", "nodes lie")));
   return {{"matrix_entries", n_entries}, {"bytes_a_rank", bytes}};
 }
 

@@ -217,7 +217,7 @@ def test_files_arrays_and_meshio_give_the_same_mesh_and_words():
         mesh, told = told_by(call)
         found[way] = shape_of(mesh), [anonymous(text) for text in told]
     first = found["two.msh"]
-    assert [text[:30] for text in first[1]] == ["1 nodes of no cell were left o", "2 boundary faces without tag a"]
+    assert [text[:30] for text in first[1]] == ["1 node of no cell was left out", "2 boundary faces without tag a"]
     assert all(one == first for one in found.values()), found
     points, cells, region, triangles, tags = arrays
     apart = points, cells, region, np.vstack([triangles[:-1], [[0, 1, 4]]]), tags  # of two cells that have no such face
@@ -228,7 +228,7 @@ def test_files_arrays_and_meshio_give_the_same_mesh_and_words():
     for way, call in every_way(inverted).items():
         mesh, told = told_by(call)
         new = [text for text in map(anonymous, told) if text not in first[1]]
-        assert shape_of(mesh) == first[0] and new == ["1 inverted cells were turned over"], (way, told)
+        assert shape_of(mesh) == first[0] and new == ["1 inverted cell was turned over"], (way, told)
     for name in as_files(*inverted):
         assert "found 1 inverted" in error_of(lambda: pamr.Mesh.read(COMM, name, repair=False)), name
     for bad, words in ((apart, "found 1 apart from the cells"), (twice, "found 1 faces in two surfaces"), (folded, "found 1 faces with two on one side")):

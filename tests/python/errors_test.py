@@ -153,7 +153,7 @@ def test_meshes_that_are_none():
     with warnings.catch_warnings(record=True) as told:
         warnings.simplefilter("always")
         mesh = make(points=np.concatenate([POINTS[:2], POINTS[:1] + 5, POINTS[2:]]), cells=CELLS + (CELLS > 1), triangles=FLOOR + (FLOOR > 1))
-    assert mesh.n_nodes == 8 and (COMM.rank > 0 or "1 nodes of no cell were left out" in str(told[0].message))
+    assert mesh.n_nodes == 8 and (COMM.rank > 0 or "1 node of no cell was left out" in str(told[0].message))
     assert set(np.concatenate(COMM.allgather(mesh.node_origin)).tolist()) == set(range(9)) - {2}
     twice = np.concatenate([CELLS, CELLS[:1]])
     expect("at most two cells at a face", lambda: make(cells=twice))

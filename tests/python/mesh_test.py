@@ -373,7 +373,7 @@ def test_gmsh_files_are_read_as_the_tool_reads_them():
                     "file 'groups.msh': 4 boundary faces without tag are in the patch 'boundary'"], told
     assert "found 1 inverted ones among 2 cells" in error_of(lambda: pamr.Mesh.read(COMM, "turned.msh", repair=False))
     mesh, told = read("turned.msh")
-    assert mesh.n_cells == 2 and any("1 inverted cells were turned over" in text for text in told), told
+    assert mesh.n_cells == 2 and any("1 inverted cell was turned over" in text for text in told), told
 
 
 @in_folder

@@ -25,9 +25,9 @@ void warn_of_untied(cli::Session& session, const CadRequest& request, const mesh
         fmt::format("patch '{}': none of its {} faces lies on a face of {} (corners up to {:.3g} off): "
                     "it gets no surface",
                     patch.patch, patch.n_off, request.file, patch.worst_distance));
-  const auto remark =
-      fmt::format("patch '{}': {} of its {} faces lie on no face of {} (corners up to {:.3g} off)", patch.patch,
-                  patch.n_off, patch.n_on + patch.n_off, request.file, patch.worst_distance);
+  const auto remark = fmt::format("patch '{}': {} of its {} faces {} on no face of {} (corners up to {:.3g} off)",
+                                  patch.patch, patch.n_off, patch.n_on + patch.n_off, patch.n_off == 1 ? "lies" : "lie",
+                                  request.file, patch.worst_distance);
   if (request.is_strict) throw Error(remark);
   session.warn(remark + ": it gets no surface; --tolerance allows more, or make a patch of its own of them");
 }

@@ -11,6 +11,7 @@
 
 #include "pamr/adapt/adapt.hpp"
 #include "pamr/adapt/level0.hpp"
+#include "pamr/base/counted.hpp"
 #include "pamr/curved/coarse_edges.hpp"
 #include "pamr/geometry/tet_shape.hpp"
 
@@ -50,10 +51,11 @@ void split_at_coarse_walls(cli::Session& session, const curved::CoarseEdges& coa
   }
   const auto n_split = comm.sum(std::accumulate(coarse.is_at_cell.begin(), coarse.is_at_cell.end(), std::int64_t{0}));
   report["split_cells"] = n_split;
-  session.warn(fmt::format(
-      "{} cells at these walls were split into eight, and the mesh is level 0 now: {} cells became {}, their smallest "
-      "mean ratio {:.3f}, which was {:.3f}",
-      n_split, mesh.info.n_global_cells, split.info.n_global_cells, after, before));
+  session.warn(
+      fmt::format("{} split into eight, and the mesh is level 0 now: {} cells became {}, their smallest "
+                  "mean ratio {:.3f}, which was {:.3f}",
+                  counted(n_split, "cell at these walls was", "cells at these walls were"), mesh.info.n_global_cells,
+                  split.info.n_global_cells, after, before));
   mesh = std::move(split);
   adapt::make_level0(mesh);
   mesh.info.provenance += "; split at coarse walls";

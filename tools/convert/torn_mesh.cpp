@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "meshing/repair/weld.hpp"
+#include "pamr/base/counted.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/check/tears.hpp"
 #include "pamr/validate/validate.hpp"
@@ -36,7 +37,8 @@ void treat_tears(cli::Session& session, const Options& options, mesh::DistMesh& 
       tears = check::find_tears(comm, mesh);
     }
     report["welded_nodes"] = n_nodes - mesh.info.n_global_nodes;
-    session.warn(fmt::format("{} nodes were joined with others in the same place", n_nodes - mesh.info.n_global_nodes));
+    session.warn(counted(n_nodes - mesh.info.n_global_nodes, "node was", "nodes were") +
+                 " joined with others in the same place");
   }
   report["pieces"] = tears.n_pieces;
   report["coincident_nodes"] = tears.coincident_nodes.count;

@@ -8,6 +8,7 @@
 #include <numeric>
 #include <utility>
 
+#include "pamr/base/counted.hpp"
 #include "pamr/base/hash.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/check/match_nodes.hpp"
@@ -250,17 +251,19 @@ std::vector<std::string> remarks_of(const Tears& tears) {
   std::vector<std::string> remarks;
   if (tears.overlaps.count > 0)
     remarks.push_back(
-        fmt::format("the mesh overlaps itself: behind {} boundary faces there are other cells, too, the "
+        fmt::format("the mesh overlaps itself: behind {} there are other cells, too, the "
                     "first near {}",
-                    tears.overlaps.count, place(tears.overlaps.where)));
+                    counted(tears.overlaps.count, "boundary face", "boundary faces"), place(tears.overlaps.where)));
   if (tears.coincident_faces.count > 0)
     remarks.push_back(
-        fmt::format("{} boundary faces lie on others, the first near {}: the cells on both sides share "
+        fmt::format("{} on others, the first near {}: the cells on both sides share "
                     "no nodes there, and nothing passes from one to the other",
-                    tears.coincident_faces.count, place(tears.coincident_faces.where)));
+                    counted(tears.coincident_faces.count, "boundary face lies", "boundary faces lie"),
+                    place(tears.coincident_faces.where)));
   else if (tears.coincident_nodes.count > 0)
-    remarks.push_back(fmt::format("{} boundary nodes lie where others do, the first at {}",
-                                  tears.coincident_nodes.count, place(tears.coincident_nodes.where)));
+    remarks.push_back(fmt::format("{} where others do, the first at {}",
+                                  counted(tears.coincident_nodes.count, "boundary node lies", "boundary nodes lie"),
+                                  place(tears.coincident_nodes.where)));
   if (tears.n_pieces > 1) remarks.push_back(fmt::format("the mesh is in {} pieces that no face joins", tears.n_pieces));
   return remarks;
 }

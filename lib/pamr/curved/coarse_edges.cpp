@@ -8,6 +8,7 @@
 #include <iterator>
 #include <limits>
 
+#include "pamr/base/counted.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/curved/level0_edges.hpp"
 #include "pamr/geometry/surface.hpp"
@@ -91,9 +92,9 @@ std::string text_of(const CoarseEdges& coarse) {
   if (coarse.count == 0) return {};
   const auto p = coarse.where;
   return fmt::format(
-      "{} edges in curved walls are longer than 0.2 of the radius of curvature, the longest {:.2f} of it near ({:.6g}, "
+      "{} longer than 0.2 of the radius of curvature, the longest {:.2f} of it near ({:.6g}, "
       "{:.6g}, {:.6g}): a map of level 0 will place new nodes there{}",
-      coarse.count, coarse.longest, p.x, p.y, p.z,
+      counted(coarse.count, "edge in curved walls is", "edges in curved walls are"), coarse.longest, p.x, p.y, p.z,
       coarse.longest > longest_kept
           ? fmt::format("; beyond {} of the radius shapes may be poor: shorter edges help, or pamr-convert --repair, "
                         "which splits the cells there into eight where the map is poor",

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <string_view>
 
+#include "pamr/base/counted.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/mesh/periodic_patches.hpp"
 
@@ -15,7 +16,14 @@ namespace pamr::io {
 
 namespace {
 
+constexpr std::array<std::string_view, 4> element_of{"point", "line", "triangle", "tetrahedron"};
 constexpr std::array<std::string_view, 4> elements_of{"points", "lines", "triangles", "tetrahedra"};
+
+/// "1 triangle", "2 triangles".
+std::string counted_elements(std::int64_t n, int dimension) {
+  return counted(n, element_of.at(static_cast<std::size_t>(dimension)),
+                 elements_of.at(static_cast<std::size_t>(dimension)));
+}
 
 /// Named groups without elements in one remark, those of points and lines in one each.
 void add_unused_groups(const ElementMesh& read, std::vector<std::string>& remarks) {
@@ -24,16 +32,16 @@ void add_unused_groups(const ElementMesh& read, std::vector<std::string>& remark
   for (const auto& group : read.unused_groups) {
     const auto elements = elements_of.at(static_cast<std::size_t>(group.dimension));
     if (group.n_elements > 0) {
-      remarks.push_back(
-          fmt::format("{} {} of the group '{}' were left out: a mesh has groups of triangles and tetrahedra",
-                      group.n_elements, elements, group.name));
+      remarks.push_back(fmt::format("{} of the group '{}' {} left out: a mesh has groups of triangles and tetrahedra",
+                                    counted_elements(group.n_elements, group.dimension), group.name,
+                                    group.n_elements == 1 ? "was" : "were"));
       continue;
     }
     if (++n <= 10) names += fmt::format("{}'{}' ({})", n == 1 ? "" : ", ", group.name, elements);
   }
   if (n == 0) return;
-  remarks.push_back(fmt::format("{} named groups have no element: {}{}{}", n, names, n > 10 ? ", ..." : "",
-                                read.why_empty.empty() ? "" : ": " + read.why_empty));
+  remarks.push_back(fmt::format("{} no element: {}{}{}", counted(n, "named group has", "named groups have"), names,
+                                n > 10 ? ", ..." : "", read.why_empty.empty() ? "" : ": " + read.why_empty));
 }
 
 }  // namespace
@@ -41,18 +49,22 @@ void add_unused_groups(const ElementMesh& read, std::vector<std::string>& remark
 std::vector<std::string> remarks_of(const ElementMesh& read) {
   std::vector<std::string> remarks;
   for (const auto& overlap : read.overlaps)
-    remarks.push_back(fmt::format("{} {} are in the group '{}' and in '{}': they stay in '{}', {}", overlap.n_elements,
-                                  overlap.dimension == 2 ? "triangles" : "tetrahedra", overlap.kept, overlap.other,
-                                  overlap.kept, overlap.why_kept));
+    remarks.push_back(fmt::format("{} {} in the group '{}' and in '{}': {} in '{}', {}",
+                                  counted_elements(overlap.n_elements, overlap.dimension),
+                                  overlap.n_elements == 1 ? "is" : "are", overlap.kept, overlap.other,
+                                  overlap.n_elements == 1 ? "it stays" : "they stay", overlap.kept, overlap.why_kept));
   remarks.insert(remarks.end(), read.remarks.begin(), read.remarks.end());
   add_unused_groups(read, remarks);
-  if (read.n_turned > 0) remarks.push_back(fmt::format("{} inverted cells were turned over", read.n_turned));
+  if (read.n_turned > 0)
+    remarks.push_back(counted(read.n_turned, "inverted cell was", "inverted cells were") + " turned over");
   if (read.n_dropped_nodes > 0)
-    remarks.push_back(fmt::format("{} nodes of no cell were left out", read.n_dropped_nodes));
+    remarks.push_back(counted(read.n_dropped_nodes, "node of no cell was", "nodes of no cell were") + " left out");
   if (read.n_untagged_triangles > 0)
-    remarks.push_back(fmt::format("{} triangles without tag were left out", read.n_untagged_triangles));
+    remarks.push_back(counted(read.n_untagged_triangles, "triangle without tag was", "triangles without tag were") +
+                      " left out");
   if (read.n_untagged_faces > 0)
-    remarks.push_back(fmt::format("{} boundary faces without tag are in the patch 'boundary'", read.n_untagged_faces));
+    remarks.push_back(counted(read.n_untagged_faces, "boundary face without tag is", "boundary faces without tag are") +
+                      " in the patch 'boundary'");
   if (auto warning = mesh::warning_of_periodic(read.mesh.info.patches); !warning.empty())
     remarks.push_back(std::move(warning));
   return remarks;

@@ -131,8 +131,9 @@ mesh::BlockMesh NativeFile::read(std::optional<GlobalId> first_cell, std::string
   if (open_->turn_inverted && !open_->catalog.has_pamr_group) {
     const auto turned = assemble::turn_inverted(*comm_, block);
     if (turned.n_turned > 0 && open_->remark)
-      open_->remark(fmt::format("file '{}': {} of {} cells were inverted and are turned over", file_.string(),
-                                turned.n_turned, info().n_global_cells));
+      open_->remark(fmt::format("file '{}': {} of {} cells {} turned over", file_.string(), turned.n_turned,
+                                info().n_global_cells,
+                                turned.n_turned == 1 ? "was inverted and is" : "were inverted and are"));
   }
   for (const auto& entry : layout.fields)
     if (!entry.on_cells)
