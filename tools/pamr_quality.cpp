@@ -120,10 +120,12 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
     write_html(comm, options.html, pictured);
   }
   session.write_report(whole_report(reports));
-  if (reports.size() == 1)
+  if (reports.size() == 1) {
     session.summary(check::summary_of(reports.front()));
-  else
+    for (const auto& line : check::patch_lines(reports.front().report)) session.summary(line);
+  } else {
     for (const auto& line : check::table_of(reports)) session.summary(line);
+  }
   for (const auto& complaint : complaints) session.complain(complaint);
   return complaints.empty() ? cli::ExitCode::done : cli::ExitCode::failed;
 }

@@ -91,6 +91,22 @@ def test_patches_are_measured():
         assert patch["worst_distance"] == 0 and patch["off_surface_nodes"] == 0
 
 
+def test_one_mesh_has_a_line_for_each_patch():
+    run("pamr-mesh", "--shape", "sphere-in-box", "--size", "0.6", "-o", "ball.hdf", "--quiet")
+    for name, n in ((kuhn_cube("a.hdf", 4), 6), (kuhn_cube("one.hdf", 1), 6), ("ball.hdf", 2)):
+        done = run("pamr-quality", name, "--json", "a.json")
+        report = json.loads(pathlib.Path("a.json").read_text())
+        lines = [line for line in done.out.splitlines() if line.startswith("patch ")]
+        assert len(lines) == len(report["patches"]) == n
+        for line in lines:
+            patch = report["patches"][line.split()[1].rstrip(":")]
+            assert f": {patch['faces']} faces, area {patch['area']:.8g}, {patch['off_surface_nodes']} node" in line, line
+            assert line.endswith(f"min {patch['min_mean_ratio']:.4f}"), line
+            assert report["mean_ratio"]["min"] <= patch["min_mean_ratio"] <= report["mean_ratio"]["max"]
+        if n == 6:  # all cells of cubes that are cut in six have one shape
+            assert all(patch["min_mean_ratio"] == report["mean_ratio"]["min"] for patch in report["patches"].values())
+
+
 def test_gates_decide_the_exit_code():
     kuhn_cube("a.hdf", 3)
     gates = ("mean_ratio:min:0.75", "mean_ratio.mean:max:0.76", "cells:min:162", "inverted_cells:max:0",

@@ -11,6 +11,7 @@
 
 #include "pamr/base/error.hpp"
 #include "pamr/base/hash.hpp"
+#include "pamr/geometry/tet_shape.hpp"
 #include "pamr/mesh/box_of_nodes.hpp"
 #include "pamr/mesh/inner_patches.hpp"
 #include "pamr/mesh/plane_fit.hpp"
@@ -90,6 +91,22 @@ std::vector<std::vector<LocalId>> nodes_of_patches(const mesh::DistMesh& mesh) {
     list.erase(std::unique(list.begin(), list.end()), list.end());
   }
   return nodes;
+}
+
+/// The worst cells with a face in each patch. Collective.
+void measure_cells_at(const par::Comm& comm, const mesh::DistMesh& mesh, std::vector<PatchReport>& reports) {
+  std::vector<double> worst(reports.size(), infinity);
+  for (LocalId cell = 0; cell < mesh.n_cells(); ++cell)
+    for (const auto slot : mesh.cell_to_cell[static_cast<std::size_t>(cell)])
+      if (const auto patch = patch_of(mesh, slot); patch >= 0) {
+        const double shape = geometry::mean_ratio(mesh.points(cell));
+        auto& least = worst[static_cast<std::size_t>(patch)];
+        least = std::min(least, std::isnan(shape) ? 0 : shape);
+      }
+  for (std::size_t p = 0; p < reports.size(); ++p) {
+    const double least = comm.min(worst[p]);
+    reports[p].min_mean_ratio = least < infinity ? least : 0;
+  }
 }
 
 /// Says of each patch without a surface how flat it is, and how far refinements moved its nodes off its faces.
@@ -185,6 +202,7 @@ std::vector<PatchReport> measure_patches(const par::Comm& comm, const mesh::Dist
     report.mean_normal_deviation = mean_turn;
     report.worst_normal_deviation = comm.max(worst_turn[patch]);
   }
+  measure_cells_at(comm, mesh, reports);
   measure_undescribed(comm, mesh, nodes, reports);
   return reports;
 }

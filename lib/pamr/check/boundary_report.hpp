@@ -19,6 +19,7 @@ struct PatchReport {
   double area = 0;                     ///< squared length unit
   double worst_distance = 0;           ///< largest distance of a node of the patch from its surface, length unit
   std::int64_t off_surface_nodes = 0;  ///< nodes farther from it than the tolerance
+  double min_mean_ratio = 0;           ///< smallest of the cells with a face in the patch; 0 without faces
   /// Angle between a triangle and the surface at its middle, degrees from 0 to 90: mean by area, and largest. 0 without
   /// a surface.
   double mean_normal_deviation = 0, worst_normal_deviation = 0;

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "pamr/base/counted.hpp"
 #include "pamr/check/gate.hpp"
 
 namespace pamr::check {
@@ -96,6 +97,7 @@ nlohmann::json to_json(const check::QualityReport& report) {
                                                  {"area", patch.area},
                                                  {"worst_distance", patch.worst_distance},
                                                  {"off_surface_nodes", patch.off_surface_nodes},
+                                                 {"min_mean_ratio", patch.min_mean_ratio},
                                                  {"mean_normal_deviation", patch.mean_normal_deviation},
                                                  {"worst_normal_deviation", patch.worst_normal_deviation},
                                                  {"surface", patch.surface}};
@@ -148,6 +150,16 @@ std::string summary_of(const NamedReport& named) {
       r.fingerprint);
 }
 
+std::vector<std::string> patch_lines(const QualityReport& report) {
+  std::vector<std::string> lines;
+  for (const auto& patch : report.patches)
+    lines.push_back(fmt::format(
+        "patch {}: {}, area {:.8g}, {} off its surface, {}", patch.name, counted(patch.faces, "face", "faces"),
+        patch.area, counted(patch.off_surface_nodes, "node", "nodes"),
+        patch.faces == 0 ? "no cells at it" : fmt::format("mean ratio of its cells min {:.4f}", patch.min_mean_ratio)));
+  return lines;
+}
+
 std::vector<std::string> table_of(const std::vector<NamedReport>& reports) {
   std::size_t width = 4;
   for (const auto& named : reports) width = std::max(width, named.file.size());
@@ -168,10 +180,11 @@ std::vector<std::string> table_of(const std::vector<NamedReport>& reports) {
 std::vector<std::string> faults_of(const NamedReport& named) {
   std::vector<std::string> lines;
   for (const auto& violation : named.report.violations)
-    lines.push_back(fmt::format("{}: invariant {} is broken {} times, the first at {}", named.file, violation.invariant,
-                                violation.count, violation.where));
+    lines.push_back(fmt::format("{}: invariant {} is broken {}, the first at {}", named.file, violation.invariant,
+                                counted(violation.count, "time", "times"), violation.where));
   if (named.report.inverted_cells > 0)
-    lines.push_back(fmt::format("{}: {} cells without positive volume", named.file, named.report.inverted_cells));
+    lines.push_back(named.file + ": " + counted(named.report.inverted_cells, "cell", "cells") +
+                    " without positive volume");
   return lines;
 }
 
