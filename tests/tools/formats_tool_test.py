@@ -271,7 +271,10 @@ def test_kinds_and_units_are_given_on_the_command_line():
     refuses("pamr-convert", "cube.hdf", "n.hdf", "--scale", "-1", says=["above 0"])
     refuses("pamr-convert", "k.hdf", "n.hdf", "--unit", "mm", says=["--scale", "m,"])
     run("pamr-mesh", "--shape", "sphere-in-box", "--size", "0.6", "-o", "s.hdf", "--quiet", serial=True)
-    refuses("pamr-convert", "s.hdf", "n.hdf", "--scale", "2", says=["without surfaces"], creates="n.hdf")
+    run("pamr-convert", "s.hdf", "twice.hdf", "--scale", "2", "--quiet")
+    wall = run("pamr-quality", "twice.hdf", "--json", "-").json["patches"]["sphere"]
+    before = run("pamr-quality", "s.hdf", "--json", "-").json["patches"]["sphere"]
+    assert wall["surface"] == before["surface"] and wall["off_surface_nodes"] == 0 and wall["area"] == 4 * before["area"]
     run("pamr-convert", "s.hdf", "s.mesh", "--scale", "2", "--quiet")
     with h5py.File("s.hdf") as file:
         assert np.array_equal(meshio.read("s.mesh").points, 2 * file["VTKHDF/Points"][:])
@@ -374,7 +377,7 @@ def one_cell_medit(**change):
 
 def test_files_whose_cells_all_have_the_other_order_of_corners_are_turned_over():
     for name in (one_cell_su2(cells="NELEM= 1\n10 0 1 3 2\n"), one_cell_medit(cells="Tetrahedra\n1\n1 2 4 3 5\n")):
-        assert "1 inverted cells were turned over" in run("pamr-convert", name, "turned.hdf", "--force").err
+        assert "1 inverted cell was turned over" in run("pamr-convert", name, "turned.hdf", "--force").err
 
 
 def test_bad_medit_files_are_refused_with_the_place():

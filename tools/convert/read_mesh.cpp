@@ -7,15 +7,18 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <string_view>
 #include <utility>
 
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
+#include "pamr/geometry/scaled_surfaces.hpp"
 #include "pamr/io/elements/element_remarks.hpp"
 #include "pamr/io/formats.hpp"
 #include "pamr/mesh/find_patches.hpp"
+#include "pamr/mesh/level0_map.hpp"
 
 namespace pamr::convert {
 
@@ -23,6 +26,14 @@ namespace {
 
 constexpr std::array<std::string_view, 7> kinds{"wall",   "symmetry", "symmetryPlane", "farfield",
                                                 "inflow", "outflow",  "patch"};
+
+geometry::SharedSurfaces scaled_surfaces(const geometry::SurfaceSet& surfaces, double factor) {
+  try {
+    return std::make_shared<const geometry::SurfaceSet>(geometry::scaled(surfaces, factor));
+  } catch (const Error& error) {
+    throw Error(std::string("--scale: ") + error.what());
+  }
+}
 
 }  // namespace
 
@@ -59,12 +70,12 @@ mesh::DistMesh read_mesh(cli::Session& session, const ReadRequest& request, nloh
 
 void scale_mesh(const par::Comm& comm, mesh::DistMesh& mesh, double factor, bool needs_surfaces) {
   if (mesh.info.surfaces->size() > 0) {
-    if (needs_surfaces)
+    if (needs_surfaces && mesh::has_level0(mesh))
       throw Error(
-          "--scale: expected a mesh without surfaces, which would stay as they are, found some: scale what the mesh "
-          "was made of, or convert to a format without surfaces");
-    mesh.info.surfaces = geometry::no_surfaces();
-    for (auto& patch : mesh.info.patches) patch.surface = -1;
+          "--scale: expected a mesh without a map of level 0, found one (coarse curved walls): scale what the mesh was "
+          "made of");
+    mesh.info.surfaces = needs_surfaces ? scaled_surfaces(*mesh.info.surfaces, factor) : geometry::no_surfaces();
+    for (auto& patch : mesh.info.patches) patch.surface = needs_surfaces ? patch.surface : -1;
   }
   bool is_finite = true;
   for (auto& p : mesh.node_position) {
