@@ -15,6 +15,7 @@
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/io/elements/element_remarks.hpp"
+#include "pamr/io/export/write_foam.hpp"
 #include "pamr/io/foam/foam_order.hpp"
 #include "pamr/io/formats.hpp"
 #include "pamr/mesh/fingerprint.hpp"
@@ -122,6 +123,22 @@ std::vector<std::string> write(const PythonMesh& mesh, const std::filesystem::pa
   std::vector<std::string> remarks;
   io::write_mesh(*mesh.comm, file, mesh.mesh,
                  {.provenance = provenance, .remark = [&](const std::string& text) { remarks.push_back(text); }});
+  return remarks;
+}
+
+/// Writes the mesh of an OpenFOAM case, coordinates times `scale`. Yields what the format has no place for. Collective.
+std::vector<std::string> write_foam(const PythonMesh& mesh, const std::filesystem::path& case_folder, double scale) {
+  std::vector<std::string> remarks;
+  const auto write = [&](const mesh::DistMesh& written) {
+    io::write_foam(*mesh.comm, case_folder, written, [&](const std::string& text) { remarks.push_back(text); });
+  };
+  if (scale == 1) {
+    write(mesh.mesh);
+  } else {
+    auto scaled = mesh.mesh;
+    for (auto& p : scaled.node_position) p = scale * p;
+    write(scaled);
+  }
   return remarks;
 }
 
@@ -289,6 +306,7 @@ void bind_mesh(py::module_& module) {
   });
   type.def("remove_field", remove_field);
   type.def("write", write, py::call_guard<py::gil_scoped_release>());
+  type.def("write_foam", write_foam, py::call_guard<py::gil_scoped_release>());
   type.def("require_valid", require_valid, py::call_guard<py::gil_scoped_release>());
   type.def("fingerprint", [](const PythonMesh& mesh) { return mesh::fingerprint(*mesh.comm, mesh.mesh); });
   module.def("formats", formats);

@@ -88,6 +88,21 @@ def holds(triangle, point):
 
 
 @in_folder
+def test_meshes_are_written_in_other_units():
+    mesh = pamr.kuhn_cube(2)
+    before = mesh.points.copy()
+    points = {}
+    for scale in (1, 0.001, 0.0254):
+        openfoam.write_mesh(mesh, f"case{scale}", scale=scale)
+        COMM.barrier()
+        points[scale] = foam_case._numbers(f"case{scale}/constant/polyMesh/points", float)
+        assert np.array_equal(points[scale], scale * points[1]), scale
+    assert np.array_equal(mesh.points, before)
+    for scale in (0, -1, float("nan"), float("inf")):
+        assert "scale: expected a number above 0" in error_of(lambda scale=scale: openfoam.write_mesh(mesh, "x", scale=scale))
+    assert not os.path.exists("x")
+
+
 def test_refined_fields_keep_integrals_and_boundary_entries():
     mesh = cube()
     openfoam.write_mesh(mesh, "level.0")

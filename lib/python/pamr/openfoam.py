@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import os
 import re
+import warnings
 from dataclasses import dataclass, replace
 from typing import Any, Iterable, Optional, Union
 
@@ -135,7 +136,8 @@ def _words(mesh: Mesh) -> list[str]:
     return [re.sub(r"[^!-~]|[\"'/;{}()\[\]$#\\]", "_", name) for name in mesh.patches]
 
 
-def write_mesh(mesh: Mesh, case: Union[str, os.PathLike], ranks: Any = None, force: bool = False) -> None:
+def write_mesh(mesh: Mesh, case: Union[str, os.PathLike], ranks: Any = None, force: bool = False,
+               scale: float = 1.0) -> None:
     """Writes ``constant/polyMesh`` of a case, and with ``ranks`` the decomposed mesh as well: folders ``processorN`` with their
     ``*ProcAddressing``, as decomposePar makes them. Collective.
 
@@ -143,6 +145,8 @@ def write_mesh(mesh: Mesh, case: Union[str, os.PathLike], ranks: Any = None, for
     together as they lie on the ranks of this job. ``system/decomposeParDict`` gets the number of processors.
     force: remove folders ``processorN`` that are there already, which belong to another mesh, with all that is in them; without it
     they are an error. A mesh in ``constant/polyMesh`` is replaced in any case.
+    scale: factor for all coordinates, above 0: 0.001 for a mesh in millimeters, since OpenFOAM computes in meters. ``mesh`` and
+    its fields stay as they are. Raises pamr.Error for other numbers.
     """
     comm = mesh.comm
 
@@ -158,16 +162,20 @@ def write_mesh(mesh: Mesh, case: Union[str, os.PathLike], ranks: Any = None, for
     of_cell = agree(comm, prepare)
 
     def prepare_folder() -> tuple[Any, Any]:
-        folder = os.fspath(case)
+        folder, factor = os.fspath(case), float(scale)
+        if not (factor > 0 and np.isfinite(factor)):
+            raise Error(f"scale: expected a number above 0, found {scale!r}")
         if comm.rank == 0:
             os.makedirs(folder, exist_ok=True)
             old = foam_case.processors(folder)
             if old and not force:
                 raise Error(f"case '{folder}': expected no folders of processors, found {len(old)} (force=True removes them)")
             foam_case.remove(old)
-        return folder, (folder, force)
-    folder = agree(comm, prepare_folder)
-    mesh.write(os.path.join(folder, ""))  # a folder, whatever its name ends in
+        return (folder, factor), (folder, force, factor)
+    folder, factor = agree(comm, prepare_folder)
+    for remark in mesh._core.write_foam(folder, factor):
+        if comm.rank == 0:
+            warnings.warn(remark, stacklevel=2)
     if comm.allreduce(0 if of_cell is None else 1) == 0:
         return
     of_all = _to_zero(mesh, of_cell)
