@@ -53,6 +53,17 @@ class Result:
         return json.loads(self.out)
 
 
+def check_head(tool, result, where):
+    """Every report says first which tool wrote it, about which files."""
+    if result.code not in (0, 1) or where != "-" and not os.path.isfile(where):
+        return
+    text = result.out if where == "-" else pathlib.Path(where).read_text()
+    found = json.loads(text)
+    head = found["report"]
+    assert list(found)[0] == "report" and list(head) == ["tool", "version", "commit", "format", "inputs"], text[:400]
+    assert head["tool"] == tool and head["format"] == 1 and all(isinstance(name, str) for name in head["inputs"]), text[:400]
+
+
 def run(tool, *arguments, code=0, serial=False, ranks=None):
     """Runs a tool on this many processes and expects this exit code. Bad input (2): one line of error and no output."""
     if ranks is None:
@@ -69,6 +80,8 @@ def run(tool, *arguments, code=0, serial=False, ranks=None):
         lines = [line for line in result.err.splitlines() if not line.startswith("[warn] Epoll")]
         assert len(lines) == 1 and lines[0].startswith(f"{tool}: error: "), shown
         assert result.out == "", shown
+    elif "--json" in arguments:
+        check_head(tool, result, arguments[arguments.index("--json") + 1])
     assert not list(pathlib.Path(".").glob("**/*.partial")), "a temporary file was left behind"
     return result
 

@@ -11,10 +11,12 @@
 #include "cli/output_file.hpp"
 #include "cli/standard_output.hpp"
 #include "cli/step_clock.hpp"
+#include "cli/version_text.hpp"
 #include "pamr/base/case_file.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/one_line.hpp"
 #include "pamr/base/read_file.hpp"
+#include "pamr/base/version.hpp"
 #include "pamr/io/formats.hpp"
 #include "pamr/io/unfinished_name.hpp"
 
@@ -172,8 +174,15 @@ Progress Session::progress(const std::string& what, std::int64_t total, const st
 void Session::write_report(const nlohmann::json& report) const {
   if (!wants_report()) return;
   on_first(*comm_, [&] {
+    nlohmann::ordered_json whole;
+    whole["report"] = {{"tool", tool_},
+                       {"version", std::string(version())},
+                       {"commit", commit_of_sources()},
+                       {"format", report_format},
+                       {"inputs", files_.inputs()}};
+    for (const auto& [key, value] : report.items()) whole[key] = value;
     // File names need not be UTF-8; JSON must be.
-    const auto text = report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+    const auto text = whole.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
     if (options_.json != "-") return write_whole(options_.json, text);
     if (std::fputs(text.c_str(), stdout) < 0 || std::fflush(stdout) != 0)
       throw Error("standard output: the report cannot be written");

@@ -23,6 +23,9 @@ enum class ExitCode : int {
   interrupted = 6,  ///< interrupted after a checkpoint was written
 };
 
+/// Number of the form of all reports, `report.format` in them; a key that changes its meaning makes it larger.
+inline constexpr int report_format = 1;
+
 /// What every tool was asked for on its command line.
 struct CommonOptions {
   std::string json;    ///< file of the report, "-" for standard output, empty for none
@@ -91,7 +94,8 @@ class Session {
   /// Whether --json asks for a report. The same on all ranks.
   bool wants_report() const { return !options_.json.empty(); }
   /// Writes the report where --json says (an existing file is replaced), all or nothing; nothing without --json. NaN
-  /// and infinity become null. Only rank 0's `report` counts. Collective; throws `Error`.
+  /// and infinity become null. Before the keys of `report`, an object, stands `report`: tool, version, commit, format
+  /// and inputs (those that were stated above, as given). Only rank 0's `report` counts. Collective; throws `Error`.
   void write_report(const nlohmann::json& report) const;
 
  private:

@@ -20,4 +20,6 @@ std::string version_text(const std::string& tool) {
                      left_out.empty() ? "" : fmt::format("\nleft out of this build: {}", left_out));
 }
 
+std::string commit_of_sources() { return PAMR_COMMIT; }
+
 }  // namespace pamr::cli

@@ -11,4 +11,7 @@ namespace pamr::cli {
 /// and the packages that it needs. Local.
 std::string version_text(const std::string& tool);
 
+/// The commit of the sources ("a1b2c3d", "a1b2c3d with changes"), or nothing where it is not known. Local.
+std::string commit_of_sources();
+
 }  // namespace pamr::cli

@@ -213,6 +213,7 @@ def run(arguments, version):
                       f"found no module {missing.name}") from None
     picture, report = make(o)
     write_whole(o.output, picture)
+    report = {"report": {"tool": "pamr-picture", "version": version, "commit": "", "format": 1, "inputs": o.meshes}} | report
     if o.json == "-":
         say(json.dumps(report, indent=2))
     elif o.json:

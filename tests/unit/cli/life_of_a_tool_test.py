@@ -131,7 +131,13 @@ class LifeOfATool(unittest.TestCase):
             result = run(ranks, self.input, "--json", report)
             self.assertEqual(result.returncode, 0)
             with open(report) as file:
-                self.assertEqual(json.load(file), {"ranks": ranks, "input": self.input})
+                found = json.load(file)
+                self.assertEqual(list(found)[0], "report")
+                head = found.pop("report")
+                self.assertEqual(found, {"ranks": ranks, "input": self.input})
+                self.assertRegex(head.pop("version"), r"^\d+\.\d+\.\d+$")
+                self.assertIsInstance(head.pop("commit"), str)
+                self.assertEqual(head, {"tool": "pamr-probe", "format": 1, "inputs": [self.input]})
         self.assertEqual(sorted(os.listdir(self.folder)), ["in put.txt", "report.json"])
 
     def test_the_report_on_standard_output_is_alone_there(self):
