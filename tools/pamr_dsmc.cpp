@@ -38,6 +38,13 @@ void declare(cli::CommandLine& line, Options& o) {
   line.option("--steps", o.advance.steps, "end after N steps in total, transient included (default: as the case says)")
       .type_name("N")
       .positive();
+  line.flag("--plan", o.plan, "print what is known before the first step, and exit");
+  line.flag("--keep-cells", o.keep_cells,
+            "leave every cell on its rank for the whole run; without it cells move when that saves time");
+  line.flag("--force", o.force, cli::force_help);
+  line.group("Checkpoints",
+             "pamr-dsmc case.toml --mesh level0.hdf -o flow.hdf --checkpoint run.hdf --every 1000\n"
+             "pamr-dsmc case.toml --mesh level1.hdf -o flow1.hdf --carry run.hdf");
   auto checkpoint = line.option("--checkpoint", o.advance.checkpoint,
                                 "file to restart from, written at the end, on SIGTERM, SIGINT, SIGHUP and SIGUSR1, "
                                 "and as --every says");
@@ -48,6 +55,7 @@ void declare(cli::CommandLine& line, Options& o) {
   line.option("--carry", o.carry, "start with the flow of this checkpoint, on the mesh that MESH was refined from")
       .type_name("FILE")
       .excludes(restart);
+  line.group("Other outputs", "pamr-dsmc case.toml --mesh level0.hdf -o flow.hdf --surface wall.vtu --lines lines.csv");
   line.option("--surface", o.out.surface, "averages on the walls: triangles in VTK's XML format").type_name("FILE.vtu");
   line.option("--lines", o.out.lines, "averages at the case's stations on walls, lines and planes in the gas")
       .type_name("FILE.csv");
@@ -55,10 +63,6 @@ void declare(cli::CommandLine& line, Options& o) {
   line.option("--series", o.series,
               "the flow of each window of the averages ([run] window), with the mesh as it was then: NAME-STEP.hdf")
       .type_name("NAME");
-  line.flag("--plan", o.plan, "print what is known before the first step, and exit");
-  line.flag("--keep-cells", o.keep_cells,
-            "leave every cell on its rank for the whole run; without it cells move when that saves time");
-  line.flag("--force", o.force, cli::force_help);
 }
 
 /// Yields the text of the case file.

@@ -44,12 +44,15 @@ struct OptionHelp {
   const char* type;
   const char* text;
 };
-constexpr std::array<OptionHelp, 22> criteria_help{{
+/// An entry without a type begins a group of --help: its heading and its example.
+constexpr std::array<OptionHelp, 26> criteria_help{{
+    {"Criteria of places", nullptr, "pamr-mark a.hdf -o b.hdf --patch wall --layers 2 --box 0,0,0,1,1,1"},
     {"--crossing-sphere", "X,Y,Z,R", "cells whose least corner distance from (X,Y,Z) is below R and greatest above"},
     {"--centroid-shell", "X,Y,Z,R,W", "cells whose centroid is nearer than W to the sphere of radius R"},
     {"--box", "X0,Y0,Z0,X1,Y1,Z1", "cells whose centroid lies in the closed box"},
     {"--patch", "NAME", "cells with a face on this boundary patch, or on these: \"face_*\""},
     {"--layers", "N", "of --patch: N layers of cells, those on the patch and then those sharing a node (default 1)"},
+    {"Criteria of fields", nullptr, "pamr-mark flow.hdf -o b.hdf --field density --above 1.5"},
     {"--field", "NAME", "cells by a field (nodal fields: mean of the corners), with --above or --below"},
     {"--above", "V", "of --field: where it is above V"},
     {"--below", "V", "of --field: where it is below V"},
@@ -61,12 +64,14 @@ constexpr std::array<OptionHelp, 22> criteria_help{{
     {"--bulk", "FRACTION", "of --recovered-error: the fewest cells that carry this part of the squared error"},
     {"--bulk-of", "FIELD[:FRACTION]",
      "the fewest cells that carry this part (0.3) of the sum of a field (an error estimate)"},
+    {"Coarsening", nullptr, "pamr-mark flow.hdf -o b.hdf --field density --above 1.5 --coarsen-below 1.2 --keep-for 2"},
     {"--coarsen-below", "V",
      "of a criterion with a value: cells that would not meet it with V in its place may be coarsened, if no other "
      "needs them"},
     {"--min-level", "L", "cells of level L and below are not coarsened (default 0)"},
     {"--keep-for", "N",
      "cells that may be coarsened stay the first N times in a row that they are marked so (default 0)"},
+    {"Limits", nullptr, "pamr-mark flow.hdf -o b.hdf --all --max-level 3 --only-where density:above:1.1"},
     {"--size", "cbrt|longest-edge", "size of a cell: cube root of its volume (default) or longest edge"},
     {"--max-level", "L", "limit: only cells whose base cell has a level below L, so that none becomes finer than L"},
     {"--only-where", "FIELD:above:V", "limit: only cells where this field is above (or below) V"},
@@ -79,7 +84,15 @@ void declare(cli::CommandLine& line, Options& options) {
   line.option("-o,--output", options.output, "mesh to write: the same with the cell field of marks").required();
   line.listed_flag("--all", options.all, "every cell");
   line.listed_flag("--coarsen-rest", options.coarsen_rest, "cells that meet no criterion may be coarsened");
-  for (const auto& help : criteria_help) line.listed_option(help.name, help.text).type_name(help.type);
+  line.option("--marks", options.marks, "name of the cell field to write").show_default();
+  line.option("--format", options.format, cli::format_help).range(io::oldest_format, io::newest_format).show_default();
+  line.flag("--force", options.force, cli::force_help);
+  for (const auto& help : criteria_help) {
+    if (help.type == nullptr)
+      line.group(help.name, help.text);
+    else
+      line.listed_option(help.name, help.text).type_name(help.type);
+  }
   line.option(
           "--max-cells", options.max_cells,
           "limit: cells in falling order of the criterion while the refined (and coarsened) mesh has at most N cells")
@@ -94,9 +107,6 @@ void declare(cli::CommandLine& line, Options& options) {
       .type_name("TAU")
       .range(0.0, 1.0)
       .show_default();
-  line.option("--marks", options.marks, "name of the cell field to write").show_default();
-  line.option("--format", options.format, cli::format_help).range(io::oldest_format, io::newest_format).show_default();
-  line.flag("--force", options.force, cli::force_help);
   line.after_reading([&line, &options] {
     for (auto& [name, value] : line.listed()) options.given.push_back({name, value});
   });

@@ -12,6 +12,7 @@
 #include "meshing/read_mesh_case.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/geometry/cad/cad_source.hpp"
+#include "pamr/io/formats.hpp"
 #include "pamr/io/native/native_file.hpp"
 
 namespace {
@@ -45,7 +46,19 @@ void declare(cli::CommandLine& line, Options& options) {
   line.flag("--force", options.force, cli::force_help);
 }
 
+/// A mesh or triangles instead of a case are for other tools, or need a case. Local.
+void refuse_mesh(const std::string& file) {
+  const auto* format = io::find_format(file);
+  if (format == nullptr || format->is_folder) return;
+  const auto* found = format->is_surface
+                          ? "triangles: name them in a [[surface]] of a case file (docs/tools/"
+                            "pamr-mesh-case.md); `pamr-surface info` says whether they are closed"
+                          : "the name of a mesh: `pamr-refine` refines a mesh, `pamr-convert` converts one";
+  throw Error(fmt::format("{}: expected a case file (TOML) or a solid (STEP, IGES or BREP), found {}", file, found));
+}
+
 void require_consistent(const Options& o) {
+  refuse_mesh(o.case_file);
   if (o.case_file.empty() == o.shape.empty())
     throw Error(std::string("expected either a case file or --shape, found ") + (o.shape.empty() ? "neither" : "both"));
   if ((o.shape == "kuhn-cube") != (o.n > 0))
@@ -124,8 +137,8 @@ int main(int argc, char** argv) {
   return cli::run_tool(
       argc, argv,
       {"pamr-mesh", "Makes a level-0 mesh of tetrahedra.",
-       "pamr-mesh --shape kuhn-cube --n 8 -o cube.hdf\n  pamr-mesh --shape sphere-in-box --size 0.28 -o sphere.hdf\n"
-       "  pamr-mesh part.step -o part.hdf --size 2",
+       "pamr-mesh --shape kuhn-cube --n 8 -o cube.hdf\npamr-mesh --shape sphere-in-box --size 0.28 -o sphere.hdf\n"
+       "pamr-mesh part.step -o part.hdf --size 2",
        cli::files_in_case},
       [&](cli::CommandLine& line) { declare(line, options); },
       [&](cli::Session& session) { return make_mesh(session, options); });

@@ -19,6 +19,7 @@
 #include "pamr/adapt/level0.hpp"
 #include "pamr/adapt/read_for_refinement.hpp"
 #include "pamr/adapt/refine_report.hpp"
+#include "pamr/base/counted.hpp"
 #include "pamr/base/version.hpp"
 #include "pamr/base/with_file_name.hpp"
 #include "pamr/check/shape_bound.hpp"
@@ -53,8 +54,10 @@ struct Options {
 void declare(cli::CommandLine& line, Options& options) {
   line.option("MESH", options.input, "mesh to read, with a cell field of marks").required();
   auto output = line.option("-o,--output", options.output, "refined mesh to write");
+  line.flag("--force", options.force, cli::force_help);
   line.option("--marks", options.marks, "integer cell field: -1 may be coarsened, 0 keep, 1 split; not in the result")
       .show_default();
+  line.group("Shapes of cells", "pamr-refine marked.hdf -o fine.hdf --shape-floor 0.35");
   line.option("--quality-control", options.quality_control, "what happens to a closure cell that has to be refined")
       .one_of(refine::quality_control_list())
       .show_default();
@@ -63,6 +66,12 @@ void declare(cli::CommandLine& line, Options& options) {
       .type_name("TAU")
       .range(0.0, 1.0)
       .show_default();
+  line.option("--bend", options.bend,
+              "inner edges of level 0 that may bend for better shapes, when it is split for the first time")
+      .one_of(refine::bend_list())
+      .show_default();
+  line.flag("--no-project", options.no_project, "leave new boundary nodes in the middle of their edges");
+  line.group("Ranks and order", "mpirun -n 4 pamr-refine marked.hdf -o fine.hdf --balance scotch --order keep");
   line.option("--balance", options.balance, "how cells are spread over the ranks before they are split")
       .one_of({"auto", "scotch", "curve", "blocks", "none"})
       .show_default();
@@ -73,18 +82,13 @@ void declare(cli::CommandLine& line, Options& options) {
   line.option("--order", options.order, "put cells and nodes along a space-filling curve first (auto: where it pays)")
       .one_of({"auto", "keep", "curve"})
       .show_default();
-  line.option("--bend", options.bend,
-              "inner edges of level 0 that may bend for better shapes, when it is split for the first time")
-      .one_of(refine::bend_list())
-      .show_default();
-  line.flag("--no-project", options.no_project, "leave new boundary nodes in the middle of their edges");
+  line.group("Result and report", "pamr-refine marked.hdf --dry-run --floors");
   line.option("--integral", options.integrals,
               "cell field whose sum of value times volume is kept at curved walls too; may be repeated")
       .type_name("FIELD");
   auto dry_run = line.flag("--dry-run", options.dry_run, "print the exact size of the result, split nothing");
   line.flag("--floors", options.floors, "with --dry-run: the size under other shape floors as well");
   line.option("--format", options.format, cli::format_help).range(io::oldest_format, io::newest_format).show_default();
-  line.flag("--force", options.force, cli::force_help);
   line.flag("--each-rank", options.each_rank, "the report lists every rank's share of each step too");
   line.after_reading([output, dry_run, &options] {
     if (options.floors && !dry_run.is_given()) cli::CommandLine::refuse_without("--dry-run (beside --floors)");
@@ -114,20 +118,23 @@ void warn_too_deep(const cli::Session& session, std::int64_t n) {
 void warn_kept(const cli::Session& session, std::int64_t n, const refine::Options& options) {
   if (n == 0 || options.quality_control != refine::QualityControl::removable || options.shape_floor == 0) return;
   session.warn(
-      fmt::format("{} families of closure cells could not be undone and were split as they are, which makes bad "
+      fmt::format("{}, which makes bad "
                   "cells: try a --shape-floor below {}, or a finer mesh at curved walls",
-                  n, options.shape_floor));
+                  counted(n, "family of closure cells could not be undone and was split as it is",
+                          "families of closure cells could not be undone and were split as they are"),
+                  options.shape_floor));
 }
 
 /// Says where cells at walls are worse than straight ones could be.
 void warn_lost_shapes(const cli::Session& session, const check::WallShapes& before, const check::WallShapes& after) {
   if (after.n_below == 0) return;
   const auto p = after.where;
-  session.warn(fmt::format(
-      "{} cells at walls have a mean ratio under {:.3g}, the smallest {:.3g} near ({:.6g}, {:.6g}, {:.6g}), "
-      "where {:.3g} was the smallest before: walls or sharp edges are too coarse there for how they curve, "
-      "and the next levels lose more; make level 0 with shorter edges there",
-      after.n_below, check::limit_of_lost_shape(before), after.smallest, p.x, p.y, p.z, before.smallest));
+  session.warn(
+      fmt::format("{} a mean ratio under {:.3g}, the smallest {:.3g} near ({:.6g}, {:.6g}, {:.6g}), "
+                  "where {:.3g} was the smallest before: walls or sharp edges are too coarse there for how they curve, "
+                  "and the next levels lose more; make level 0 with shorter edges there",
+                  counted(after.n_below, "cell at walls has", "cells at walls have"),
+                  check::limit_of_lost_shape(before), after.smallest, p.x, p.y, p.z, before.smallest));
 }
 
 /// What was marked, and what went.

@@ -11,12 +11,14 @@
 
 #include "cli/output_file.hpp"
 #include "cli/run_tool.hpp"
+#include "pamr/base/counted.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/geometry/parameters.hpp"
 #include "pamr/geometry/triangulated/check_triangulation.hpp"
 #include "pamr/geometry/triangulated/read_triangulation.hpp"
 #include "pamr/geometry/triangulated/self_intersection.hpp"
 #include "pamr/geometry/triangulated/write_triangulation.hpp"
+#include "pamr/io/formats.hpp"
 #include "surface_mesh/change_scale.hpp"
 #include "surface_mesh/decimate.hpp"
 #include "surface_mesh/describe.hpp"
@@ -44,9 +46,10 @@ struct Options {
 };
 
 /// A command with what all of them have.
-cli::CommandLine add_command(cli::CommandLine& line, Options& options, const std::string& name,
-                             const std::string& help) {
+cli::CommandLine add_command(cli::CommandLine& line, Options& options, const std::string& name, const std::string& help,
+                             const std::string& example) {
   auto command = line.subcommand(name, help);
+  command.group("Options of this command", example);
   command.after_reading([&options, name] { options.command = name; });
   command.option("IN", options.input, "triangles to read: STL, OBJ, PLY or OFF").required();
   if (name == "info") return command;
@@ -65,11 +68,13 @@ void add_feature_angle(cli::CommandLine& command, Options& options) {
 void declare_mending(cli::CommandLine& line, Options& o) {
   auto info = add_command(line, o, "info",
                           "what there is to say about the triangles; exit 1 if they are not the "
-                          "closed surface of a body");
+                          "closed surface of a body",
+                          "pamr-surface info scan.stl --json -");
   add_feature_angle(info, o);
   auto repair = add_command(line, o, "repair",
                             "makes them the closed surface of a body, each step counted; exit 1 if "
-                            "something is left");
+                            "something is left",
+                            "pamr-surface repair scan.stl -o body.ply --close-holes 0.1");
   add_feature_angle(repair, o);
   repair.option("--weld", o.repair.weld, "points this near to each other are one (default: 1e-7 of the box's diagonal)")
       .not_negative();
@@ -86,32 +91,38 @@ void declare_mending(cli::CommandLine& line, Options& o) {
 
 void declare(cli::CommandLine& line, Options& o) {
   declare_mending(line, o);
-  auto decimate = add_command(line, o, "decimate", "fewer triangles, sharp edges kept");
+  auto decimate = add_command(line, o, "decimate", "fewer triangles, sharp edges kept",
+                              "pamr-surface decimate body.ply -o small.ply --error 0.01");
   add_feature_angle(decimate, o);
   decimate.option("--error", o.decimate.error, "largest distance between the old and the new surface").positive();
   decimate.option("--triangles", o.decimate.n_triangles, "how many may be left").positive();
-  auto smooth = add_command(line, o, "smooth", "moves points to even out noise; sharp edges stay");
+  auto smooth = add_command(line, o, "smooth", "moves points to even out noise; sharp edges stay",
+                            "pamr-surface smooth body.ply -o smooth.ply --max-move 0.01");
   add_feature_angle(smooth, o);
   smooth.option("--steps", o.smooth.n_steps, "how often").range(1, 1000).show_default();
   smooth.option("--max-move", o.smooth.max_move, "largest movement along the normal (default: no bound)").positive();
-  auto subdivide = add_command(line, o, "subdivide", "splits each triangle into four");
+  auto subdivide = add_command(line, o, "subdivide", "splits each triangle into four",
+                               "pamr-surface subdivide body.ply -o fine.ply --scheme butterfly");
   subdivide.option("--steps", o.subdivisions, "how often").range(1, 8).show_default();
   subdivide
       .option("--scheme", o.scheme,
               "midpoint: the same surface; butterfly: smooth through the points; loop: smooth, points move")
       .one_of({"midpoint", "butterfly", "loop"})
       .show_default();
-  auto remesh = add_command(line, o, "remesh", "new triangles of one size on the same surface, sharp edges kept");
+  auto remesh = add_command(line, o, "remesh", "new triangles of one size on the same surface, sharp edges kept",
+                            "pamr-surface remesh body.ply -o even.ply --size 0.5");
   add_feature_angle(remesh, o);
   remesh.option("--size", o.remesh.size, "edge length").positive().required();
   remesh.option("--steps", o.remesh.n_steps, "how often edges are split, collapsed and flipped")
       .range(1, 50)
       .show_default();
-  auto scale = add_command(line, o, "scale", "multiplies all coordinates");
+  auto scale = add_command(line, o, "scale", "multiplies all coordinates",
+                           "pamr-surface scale body.stl -o meters.stl --unit mm");
   auto factor = scale.option("--factor", o.factor, "by this number").positive();
   scale.option("--unit", o.unit, "from this unit of the file to meters: " + surface_mesh::known_units())
       .excludes(factor);
-  auto translate = add_command(line, o, "translate", "adds a vector to all points");
+  auto translate = add_command(line, o, "translate", "adds a vector to all points",
+                               "pamr-surface translate body.stl -o moved.stl --by 0,0,1");
   translate.option("--by", o.by, "X,Y,Z").delimiter(',').type_name("X,Y,Z").one_at_a_time().required();
 }
 
@@ -171,8 +182,8 @@ Outcome decimate(const Options& options, const Triangulation& surface) {
                   "one: {:.4g} to {:.4g}",
                   one.at_least, one.at_most, other.at_least, other.at_most));
   if (done.n_fixed > 0)
-    outcome.lines.push_back(fmt::format(
-        "{} points were fixed where the error was exceeded or triangles would cut each other", done.n_fixed));
+    outcome.lines.push_back(fmt::format("{} fixed where the error was exceeded or triangles would cut each other",
+                                        counted(done.n_fixed, "point was", "points were")));
   if (done.cuts_itself) outcome.lines.push_back("the surface cuts itself, as it did before");
   if (how.n_triangles > 0 && how.error <= 0 && std::ssize(done.surface.triangles) > how.n_triangles)
     outcome.faults.push_back(
@@ -221,8 +232,8 @@ Outcome subdivide(const Options& options, const Triangulation& surface) {
   const auto before = surface_mesh::describe(surface, {.find_self_intersections = false, .find_deviation = false});
   outcome.report["sharp_edges"] = before.sharp_edges;
   if (scheme != Scheme::midpoint && before.sharp_edges > 0)
-    outcome.lines.push_back(
-        fmt::format("{} sharp edges were rounded (--scheme midpoint keeps them)", before.sharp_edges));
+    outcome.lines.push_back(fmt::format("{} rounded (--scheme midpoint keeps them)",
+                                        counted(before.sharp_edges, "sharp edge was", "sharp edges were")));
   if (scheme != Scheme::midpoint) check_edit(surface, outcome);
   return outcome;
 }
@@ -326,7 +337,18 @@ cli::ExitCode inform(cli::Session& session, const Options& options) {
   return session.comm().any(!faults.empty()) ? cli::ExitCode::failed : cli::ExitCode::done;
 }
 
+/// A mesh is for other tools. Local.
+void refuse_mesh(const std::string& file) {
+  const auto* format = io::find_format(file);
+  if (format == nullptr || format->is_surface || format->is_folder) return;
+  throw Error(
+      fmt::format("{}: expected triangles (STL, OBJ, PLY or OFF), found the name of a mesh: `pamr-quality` measures a "
+                  "mesh, and `pamr-convert {} boundary.stl` writes its boundary as triangles",
+                  file, file));
+}
+
 cli::ExitCode run(cli::Session& session, const Options& options) {
+  refuse_mesh(options.input);
   session.check_input(options.input);
   if (options.command != "info") {
     (void)geometry::surface_format_of(options.output);
@@ -357,7 +379,7 @@ int main(int argc, char** argv) {
   return cli::run_tool(
       argc, argv,
       {"pamr-surface", "Looks at triangulated surfaces, mends and edits them, before a mesh is made.",
-       "pamr-surface info scan.stl --json -\n  pamr-surface repair scan.stl -o body.ply && pamr-surface decimate "
+       "pamr-surface info scan.stl --json -\npamr-surface repair scan.stl -o body.ply && pamr-surface decimate "
        "body.ply "
        "-o small.ply --error 0.01"},
       [&](cli::CommandLine& line) { declare(line, options); },

@@ -94,8 +94,8 @@ def test_cell_sets_are_patches_and_regions():
     mesh, told = taken(meshio.Mesh(POINTS, [("tetra", CELLS), ("triangle", FLOOR)], cell_sets=sets))
     assert faces_of(mesh) == {"inlet": 1, "wall": 1, "boundary": 10} and mesh.regions == {1: "inlet", 2: "wall"}
     assert sorted(np.concatenate(COMM.allgather(mesh.cell_fields["region"]))) == [0, 0, 0, 1, 1, 2]
-    assert ["1 triangles are in the cell sets 'inlet' and 'wall': they stay in 'inlet'" in told[0],
-            "1 tetrahedra are in the cell sets 'inlet' and 'wall': they stay in 'inlet'" in told[1], len(told)] == [True, True, 2]
+    assert ["1 triangle is in the cell sets 'inlet' and 'wall': it stays in 'inlet'" in told[0],
+            "1 tetrahedron is in the cell sets 'inlet' and 'wall': it stays in 'inlet'" in told[1], len(told)] == [True, True, 2]
     by_tags = meshio.Mesh(POINTS, [("triangle", FLOOR), ("tetra", CELLS)], cell_sets={"all": [[0, 1], []], "gmsh:x": [[0], [0]]},
                           cell_data={"gmsh:physical": [[4, 5], [1] * 6]}, field_data={"all": [4, 2], "in": [5, 2]})
     mesh, told = taken(by_tags)
@@ -132,7 +132,7 @@ def test_groups_that_overlap_are_counted():
     mesh, told = taken(given)
     assert mesh.n_cells == 6 and faces_of(mesh) == {"inlet": 1, "all": 1, "boundary": 10}
     assert sorted(np.concatenate(COMM.allgather(mesh.cell_fields["number"]))) == [6, 7, 8, 9, 10, 11]
-    assert "1 triangles are in the group 'inlet' and in 'all': they stay in 'inlet'" in told[0]
+    assert "1 triangle is in the group 'inlet' and in 'all': it stays in 'inlet'" in told[0]
     assert "6 tetrahedra are in the group 'steel' and in 'hot': they stay in 'steel'" in told[1] and len(told) == 2
 
 

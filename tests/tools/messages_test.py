@@ -124,6 +124,14 @@ def test_unknown_options_name_the_near_one():
         refuses(tool, *arguments, says=[says, f"(see {tool} --help)"], creates="x.hdf")
 
 
+def test_a_file_of_another_tool_is_answered_with_that_tool():
+    for name, says in (("a.hdf", "pamr-quality"), ("b.msh", "pamr-convert b.msh boundary.stl"), ("c.vtu", "the name of a mesh")):
+        pathlib.Path(name).touch()
+        refuses("pamr-surface", "info", name, says=[f"{name}: expected triangles", says])
+    for name, says in (("a.hdf", "pamr-refine"), ("b.msh", "pamr-convert"), ("d.stl", "[[surface]]"), ("e.ply", "pamr-surface info")):
+        refuses("pamr-mesh", name, "-o", "x.hdf", says=[f"{name}: expected a case file (TOML) or a solid", says], creates="x.hdf")
+
+
 def test_an_output_without_a_name_is_refused():
     kuhn_cube("a.hdf", 2)
     refuses("pamr-convert", "a.hdf", "", says=["OUT: expected the name of a mesh to write, found an empty name"], creates="constant")

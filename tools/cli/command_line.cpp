@@ -121,6 +121,11 @@ Option CommandLine::flag(const std::string& name, bool& value, const std::string
   return Option(app_->add_flag(name, value, help));
 }
 
+void CommandLine::group(const std::string& heading, const std::string& example) {
+  app_->option_defaults()->group(heading);
+  app_->get_formatter()->label(heading, example);  // where the layout of --help finds it
+}
+
 Option CommandLine::listed_option(const std::string& name, const std::string& help) {
   auto* option = app_->add_option(name, help);
   constexpr int most = 1000;

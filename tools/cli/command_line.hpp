@@ -61,6 +61,10 @@ class CommandLine {
   Option option(const std::string& name, Exact<T>& value, const std::string& help);
   Option flag(const std::string& name, bool& value, const std::string& help);
 
+  /// Begins a group of --help: options that are declared from here on stand under this heading, with `example` (one
+  /// command line a line) below them. Before the first one the heading is "Options".
+  void group(const std::string& heading, const std::string& example);
+
   /// Options whose order matters: `listed` tells which were given, name and value, in the order of the command line.
   Option listed_option(const std::string& name, const std::string& help);
   Option listed_flag(const std::string& name, bool& value, const std::string& help);

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "cli/help_format.hpp"
 #include "cli/interrupt.hpp"
 #include "cli/standard_output.hpp"
 #include "cli/step_clock.hpp"
@@ -28,8 +29,9 @@ namespace pamr::cli {
 namespace {
 
 constexpr const char* exit_codes_help =
-    "Exit codes: 0 done; 1 a check or gate failed; 2 bad usage or bad input; 3 internal failure; 6 interrupted.\n"
-    "Runs alone or as `mpirun -n P ...`; the result does not depend on P.";
+    "Exit codes: 0 done; 1 a check or gate failed; 2 bad usage or bad input; 3 internal failure; 6 interrupted.";
+constexpr const char* ranks_help = "Runs alone or as `mpirun -n P ...`; the result does not depend on P.";
+constexpr const char* common_group = "Options of all tools";
 
 /// How this rank's part ended.
 struct Ending {
@@ -62,19 +64,30 @@ std::string unknown_argument(const CLI::App& app) {
   return "unknown option " + name + (near ? "; did you mean " + *near + "?" : "");
 }
 
+/// The options of all tools, in the last group of --help.
+void declare_common(CLI::App& app, const ToolInfo& info, CommonOptions& options) {
+  app.option_defaults()->group(common_group);
+  app.add_option("--json", options.json, "write a report in JSON to this file, - for standard output")
+      ->type_name("FILE");
+  app.add_flag("--quiet", options.quiet, "neither progress nor summary");
+  app.set_version_flag(
+      "--version", [&] { return version_text(info.name); }, "print the versions of tool and libraries and end");
+  for (auto* of : app.get_subcommands({}))
+    of->set_help_flag("-h,--help", "print this text and end")->group(common_group);
+  app.set_help_flag("-h,--help", "print this text and end");
+}
+
 /// Reads the command line into `options` and what `declare` names; prints --help and --version if it `speaks`.
 Parsed parse(int argc, char** argv, const ToolInfo& info, const std::function<void(CommandLine&)>& declare,
              CommonOptions& options, bool speaks) {
   CLI::App app(info.purpose, info.name);
-  app.set_help_flag("-h,--help", "print this text and end");
-  app.set_version_flag(
-      "--version", [&] { return version_text(info.name); }, "print the versions of tool and libraries and end");
-  app.add_option("--json", options.json, "write a report in JSON to this file, - for standard output")
-      ->type_name("FILE");
-  app.add_flag("--quiet", options.quiet, "neither progress nor summary");
-  app.footer("Example:\n  " + info.example + "\n\n" + exit_codes_help);
+  const auto width = help_width();
+  app.formatter(help_format(width));
+  app.footer("Examples:\n" + example_lines(info.example, width) + "\n" + wrapped(exit_codes_help, width) + "\n" +
+             wrapped(ranks_help, width));
   CommandLine line(app);
   declare(line);
+  declare_common(app, info, options);
   try {
     app.parse(argc, argv);
     return {};

@@ -14,7 +14,7 @@ namespace pamr::cli {
 struct ToolInfo {
   std::string name;     ///< as installed: "pamr-refine"
   std::string purpose;  ///< one sentence for --help
-  std::string example;  ///< command lines for --help that work as they stand
+  std::string example;  ///< command lines for --help, one a line
   /// Input files that a file of the command line names, if it may name some of HDF5 or CAD.
   FilesIn files_in = nullptr;
 };

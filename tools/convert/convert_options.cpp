@@ -16,6 +16,9 @@ namespace pamr::convert {
 namespace {
 
 void declare_surfaces(cli::CommandLine& line, Options& options) {
+  line.group("Surfaces that patches lie on",
+             "pamr-convert part.msh part.hdf --surface body.stl --patch wall\n"
+             "pamr-convert part.msh part.hdf --cad part.step");
   line.option("--surfaces", options.surfaces, "TOML file of surfaces that patches lie on (docs/surfaces.md)");
   line.option("--surface", options.surface_files,
               "STL, OBJ, PLY or OFF file of the body that the patch after it (--patch) lies on; may be repeated")
@@ -100,40 +103,21 @@ std::string formats_help(bool is_read) {
   return text;
 }
 
-}  // namespace
-
-void declare(cli::CommandLine& line, Options& options) {
-  line.option("IN", options.input, "mesh to read: " + formats_help(true) + ", or the folder of an OpenFOAM case")
-      .required();
-  line.option(
-          "OUT", options.output,
-          fmt::format("mesh to write: {}; its boundary: {}; without an extension, or an existing folder: an "
-                      "OpenFOAM case",
-                      formats_help(false), io::list_endings([](const io::Format& f) { return f.is_surface; }, " or ")))
-      .required();
+void declare_repair(cli::CommandLine& line, Options& options) {
+  line.group("Walls that are too coarse", "pamr-convert part.hdf mended.hdf --repair");
   line.flag(
       "--repair", options.repair,
       "split edges and faces so that no face beside a curved wall has two edges on it (cells there get flat when they "
       "are refined; done anyway "
       "for such a mesh with surfaces), and split cells at walls whose edges are longer than their radius into eight");
-  line.flag("--as-level-0", options.as_level0,
-            "forget how a native mesh was refined: all its cells are of level 0 (no coarsening below them)");
   line.flag("--no-repair", options.no_repair, "split nothing");
-  line.flag("--weld", options.weld,
-            "join boundary nodes that lie in one place (parts that were meshed apart, cells with nodes of their own): "
-            "the faces between them become inner ones");
-  line.flag("--strict", options.strict,
-            "refuse what would only be reported: inverted cells, nodes of no cell, "
-            "boundary faces without tag, parts that no face joins, cells that overlap");
-  const auto unit =
-      line.option("--unit", options.unit, "unit of the mesh's coordinates, kept in the mesh: mm, cm, m, um, in, ft")
-          .show_default();
-  line.option("--scale", options.scale, "factor for all coordinates, before surfaces are looked at").show_default();
-  line.option("--kind", options.kinds,
-              "PATCH=KIND: wall, symmetry, symmetryPlane, farfield, inflow, outflow or patch (none); may be repeated; "
-              "PATCH may stand for several: \"face_*\"")
-      .type_name("PAIR")
-      .one_at_a_time();
+}
+
+/// Yields --gmsh-version.
+cli::Option declare_formats(cli::CommandLine& line, Options& options) {
+  line.group("Formats",
+             "pamr-convert level3.hdf curved.msh --order 2 --gmsh-version 2.2\n"
+             "pamr-convert box.mesh box.hdf --sol-in box.sol --sol-fields density,pressure");
   line.option("--sol-in", options.solution_in, "Medit's .sol or .solb with fields of a .mesh or .meshb to read")
       .type_name("FILE");
   line.option("--sol-out", options.solution_out, "the same to write beside a .mesh or .meshb").type_name("FILE");
@@ -141,14 +125,9 @@ void declare(cli::CommandLine& line, Options& options) {
               "NAME,NAME,...: names of the fields to read, in their order; fields to write (all of reals)")
       .delimiter(',')
       .type_name("NAMES");
-  declare_surfaces(line, options);
   const auto version = line.option("--gmsh-version", options.gmsh_version, "format of a .msh to write")
                            .one_of({"2.2", "4.1"})
                            .show_default();
-  line.after_reading([&options, version, unit] {
-    options.asks_version = version.is_given();
-    options.asks_unit = unit.is_given();
-  });
   line.flag("--interfaces", options.interfaces,
             fmt::format("write to a {} also the triangles between regions, as a group A_B for regions A and B",
                         io::list_endings([](const io::Format& f) { return f.has_interfaces; }, " or ")));
@@ -160,7 +139,48 @@ void declare(cli::CommandLine& line, Options& options) {
       .range(1, 2)
       .show_default();
   line.option("--format", options.format, cli::format_help).range(io::oldest_format, io::newest_format).show_default();
+  return version;
+}
+
+}  // namespace
+
+void declare(cli::CommandLine& line, Options& options) {
+  line.option("IN", options.input, "mesh to read: " + formats_help(true) + ", or the folder of an OpenFOAM case")
+      .required();
+  line.option(
+          "OUT", options.output,
+          fmt::format("mesh to write: {}; its boundary: {}; without an extension, or an existing folder: an "
+                      "OpenFOAM case",
+                      formats_help(false), io::list_endings([](const io::Format& f) { return f.is_surface; }, " or ")))
+      .required();
+  const auto unit =
+      line.option("--unit", options.unit, "unit of the mesh's coordinates, kept in the mesh: mm, cm, m, um, in, ft")
+          .show_default();
+  line.option("--scale", options.scale,
+              "factor for all coordinates and for the surfaces that a native mesh has; new surfaces are in the new "
+              "coordinates")
+      .show_default();
+  line.option("--kind", options.kinds,
+              "PATCH=KIND: wall, symmetry, symmetryPlane, farfield, inflow, outflow or patch (none); may be repeated; "
+              "PATCH may stand for several: \"face_*\"")
+      .type_name("PAIR")
+      .one_at_a_time();
+  line.flag("--weld", options.weld,
+            "join boundary nodes that lie in one place (parts that were meshed apart, cells with nodes of their own): "
+            "the faces between them become inner ones");
+  line.flag("--strict", options.strict,
+            "refuse what would only be reported: inverted cells, nodes of no cell, "
+            "boundary faces without tag, parts that no face joins, cells that overlap");
+  line.flag("--as-level-0", options.as_level0,
+            "forget how a native mesh was refined: all its cells are of level 0 (no coarsening below them)");
   line.flag("--force", options.force, cli::force_help);
+  declare_repair(line, options);
+  declare_surfaces(line, options);
+  const auto version = declare_formats(line, options);
+  line.after_reading([&options, version, unit] {
+    options.asks_version = version.is_given();
+    options.asks_unit = unit.is_given();
+  });
 }
 
 bool brings_surfaces(const Options& options) {

@@ -3,6 +3,7 @@
 import argparse
 import difflib
 import re
+import shutil
 
 import numpy as np
 
@@ -14,7 +15,7 @@ PURPOSE = "Makes a picture (PNG) of meshes and of fields on them, without a scre
 EXAMPLES = """examples:
   pamr-picture level0.hdf level2.hdf -o levels.png
   pamr-picture part.msh -o part.png --field patch --camera 1,-2,1
-  pamr-picture flow.hdf -o density.png --cut y=0 --field n --log --isolines 5 --streamlines u
+  pamr-picture flow.hdf -o density.png --cut y=0 --field n --log --isolines 5
   pamr-picture mesh.hdf -o inside.png --cut z=0.1 --whole-cells --field mean_ratio --camera 1,-1,2
 
 Exit codes: 0 done; 2 bad usage or bad input; 3 internal failure; 6 interrupted."""
@@ -69,9 +70,14 @@ def plane(text):
     return Plane(normal, offset / np.linalg.norm(raw)), view_of(normal)
 
 
+def layout(prog):
+    """Lines of at most 100 columns, as --help of the other tools."""
+    return argparse.RawDescriptionHelpFormatter(prog, width=min(shutil.get_terminal_size().columns, 100))
+
+
 def parser(version):
     line = Parser(prog="pamr-picture", description=PURPOSE, epilog=EXAMPLES, allow_abbrev=False,
-                  formatter_class=argparse.RawDescriptionHelpFormatter)
+                  formatter_class=layout)
     line.add_argument("meshes", nargs="+", metavar="MESH", help="a mesh or surface in any format that the tools read; "
                       "several stand side by side")
     line.add_argument("-o", "--output", required=True, metavar="PICTURE.png", help="picture to write")
