@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <map>
 #include <numbers>
+#include <sstream>
 
 #include "pamr/base/error.hpp"
 #include "pamr/base/read_file.hpp"
@@ -31,12 +32,32 @@ void read_species(const TomlTable& tables, SpeciesByName& known) {
   }
 }
 
+/// Whether the first line that is no comment is that of a species file of SPARTA: a name and four numbers or more.
+bool is_of_sparta(const std::string& text) {
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line.substr(0, line.find('#')));
+    std::string name;
+    if (!(words >> name)) continue;
+    int n_numbers = 0;
+    for (double number = 0; words >> number;) ++n_numbers;
+    return n_numbers >= 4;
+  }
+  return false;
+}
+
 /// The file stands beside the case.
 void read_species_file(const TomlTable& gas, const std::string& where, SpeciesByName& known) {
   const auto name = gas.text("species_file", "the name of a file");
   const auto path = (std::filesystem::path(where).parent_path() / name).string();
   const auto text = read_file(path);
   if (!text) gas.refuse("species_file", "the name of a file of species that can be read", fmt::format("\"{}\"", path));
+  if (is_of_sparta(*text))
+    throw Error(
+        fmt::format("file '{}': expected TOML with tables [species.NAME], found a species file of SPARTA: write "
+                    "[species.NAME] with mass (kg, third column of its .species) and rotational_degrees (fourth), and "
+                    "diameter, omega, t_ref and alpha (second to fifth column of its .vss)",
+                    path));
   const auto file = parse_toml(*text, path);
   read_species(file.table("species"), known);
   file.finish();
