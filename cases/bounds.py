@@ -4,6 +4,26 @@ import csv
 import math
 
 
+def student_95(n):
+    """Student's factor from the standard error of a mean of `n` values to its bound of 95 %, infinite for fewer than two."""
+    if n < 2:
+        return math.inf
+    freedom, low, high = n - 1, 0.0, math.pi / 2
+
+    def probability(angle):  # M. Abramowitz and I. A. Stegun, Handbook of Mathematical Functions, 26.7.3 and 26.7.4
+        odd = freedom % 2
+        term = math.cos(angle) if odd else 1.0
+        total = term if freedom > 1 else 0.0
+        for k in range(3 if odd else 2, freedom, 2):
+            term *= (k - 1) / k * math.cos(angle) ** 2
+            total += term
+        return 2 / math.pi * (angle + math.sin(angle) * total) if odd else math.sin(angle) * total
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if probability(middle) < 0.95 else (low, middle)
+    return math.sqrt(freedom) * math.tan(low)
+
+
 def rows_of(table):
     """The rows of a table by the names of its columns, without its comments."""
     with open(table, encoding="utf-8") as file:

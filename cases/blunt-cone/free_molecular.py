@@ -34,7 +34,7 @@ row("closed form, exact surface", [v[0] for v in EXACT.values()])
 # Over the fore-body alone, as the closed form has it: base and shadow are the computation's own.
 run = read("flow")["patches"]["forebody"]
 row("computed, level 2", [run[c]["value"] for c in EXACT])
-row("  standard error", [run[c]["stderr"] for c in EXACT])
+row("  +- (95 %)", [run[c]["ci95"] for c in EXACT])
 row("Newton's law, level 2", [plans[2]["newtonian"][c] for c in NEWTON])
 row("Newton's law, exact surface", NEWTON.values())
 

@@ -19,7 +19,7 @@ PAPER = [(15190, 0.27e6, 1.667, -0.141, -0.057), (43624, 0.56e6, 1.621, -0.154, 
          (2700319, 18.1e6, 1.543, -0.182, -0.055)]
 EXPERIMENT = (1.476, -0.18, -0.054)
 COEFFICIENTS = ("C_D", "C_L", "C_m", "C_H")
-STUDENT_9 = 2.262  # 97.5 % with ten groups, which the recorded levels have but for level 0 (20: 2.093)
+FOUR_ERRORS = 4 / 2.262  # four standard errors in bounds of 95 % of ten groups, which most levels have
 
 
 def read(folder, name):
@@ -34,21 +34,20 @@ class Level:
         self.few = self.flow["quality"]["dense_gas_below_5_particles"]
 
     def value(self, name):
-        """A number of the reports and its standard error."""
+        """A number of the reports and its bound: half the width of the interval of 95 %."""
         if name == "cells":
             return self.cells, 0.0
         found = self.flow[name]
-        return (found["value"], found["stderr"]) if isinstance(found, dict) else (found, 0.0)
+        return (found["value"], found["ci95"]) if isinstance(found, dict) else (found, 0.0)
 
     def bound(self, name):
-        """Half the width of the interval of 95 %: Student's factor times the standard error."""
-        return self.flow[name]["ci95"]
+        return self.value(name)[1]
 
     def row(self, level):
         flow = self.flow
         return (f"{'level ' + str(level):10} {self.cells:8d} {flow['particles']:10d} {flow['particles'] / self.cells:6.1f} "
                 f"{100 * (1 - self.few):6.0f} % {flow['steps'] - flow['averages_from_step']:6d}"
-                + coefficients([(self.value(c)[0], self.bound(c)) for c in COEFFICIENTS]))
+                + coefficients([self.value(c) for c in COEFFICIENTS]))
 
 
 def coefficients(values):
@@ -68,34 +67,34 @@ def is_full(levels, level, size):
 
 
 def expected_rows():
-    """What expected.csv records: run, level, quantity, value, stderr, mesh."""
+    """What expected.csv records: run, level, quantity, value, ci95, mesh."""
     name = os.path.join(os.path.dirname(os.path.abspath(__file__)), "expected.csv")
     with open(name, encoding="utf-8") as file:
         return list(csv.DictReader(line for line in file if not line.startswith("#")))
 
 
 def unexpected(levels, size):
-    """Differences from expected.csv: 4 standard errors of both, and a share for what another mesh would change."""
+    """Differences from expected.csv: four standard errors of both, and a share for what another mesh would change."""
     for row in expected_rows():
         level = int(row["level"])
         if level >= len(levels) or row["run"] != ("full" if is_full(levels, level, size) else size):
             continue
-        found, error = levels[level].value(row["quantity"])
+        found, bound = levels[level].value(row["quantity"])
         expected = float(row["value"])
-        allowed = 4 * math.hypot(error, float(row["stderr"])) + float(row["mesh"])
-        if not error <= 3 * float(row["stderr"]):  # a wide bar would let any value pass; ten groups give it within a third or so
-            yield f"level {level}: expected a standard error of {row['quantity']} of {row['stderr']}, at most three times that, found {error:.2g}"
+        allowed = FOUR_ERRORS * math.hypot(bound, float(row["ci95"])) + float(row["mesh"])
+        if not bound <= 3 * float(row["ci95"]):  # a wide bar would let any value pass; ten groups give it within a third or so
+            yield f"level {level}: expected a bound of 95 % of {row['quantity']} of {row['ci95']}, at most three times that, found {bound:.2g}"
         if not abs(found - expected) <= allowed:
             yield (f"level {level}: expected {row['quantity']} = {row['value']} within {allowed:.3g}, "
                    f"found {found:g}")
 
 
 def long_run():
-    """The levels of the full run that expected.csv records: cells, coefficients, each with its standard error."""
+    """The levels of the full run that expected.csv records: cells, coefficients, each with its bound of 95 %."""
     levels = {}
     for row in expected_rows():
         if row["run"] == "full":
-            levels.setdefault(int(row["level"]), {})[row["quantity"]] = (float(row["value"]), float(row["stderr"]))
+            levels.setdefault(int(row["level"]), {})[row["quantity"]] = (float(row["value"]), float(row["ci95"]))
     return levels
 
 
@@ -104,16 +103,16 @@ def beyond_bounds(levels, long):
     for i, level in enumerate(levels):
         for c in COEFFICIENTS if i in long else ():
             off = level.value(c)[0] - long[i][c][0]
-            if abs(off) > math.hypot(level.bound(c), STUDENT_9 * long[i][c][1]):
+            if abs(off) > math.hypot(level.bound(c), long[i][c][1]):
                 yield f"{c} of level {i} ({off:+.4f})"
 
 
 def drifts(i, level):
-    """What changes while it is averaged by more than four standard errors and half a percent."""
+    """What changes while it is averaged by more than chance and half a percent, as pamr-dsmc says."""
     for name, change in level.flow["averages"].get("change", {}).items():
-        if abs(change["value"]) > max(4 * change["stderr"], 0.005 * abs(level.value(name)[0])):
+        if change["drifts"]:
             yield (f"level {i}: expected averages of a steady flow, found {name} that changes by {change['value']:.4g} "
-                   f"+- {change['stderr']:.2g}")
+                   f"+- {change['ci95']:.2g}")
 
 
 def requirements(levels, size):
@@ -127,7 +126,7 @@ def requirements(levels, size):
             yield f"level {i}: {level.flow['lost_particles']} particles were lost"
         if not is_full(levels, i, size):
             continue
-        if level.flow["steady"].startswith("not steady"):
+        if level.flow["averages"]["begun"] == "most_transient":
             yield f"level {i}: expected a steady flow, found: {level.flow['steady']}"
         yield from drifts(i, level)
         if level.flow["particles"] < 8 * level.cells or (i < 3 and level.few > 0.1):
@@ -151,7 +150,7 @@ def main():
     if size == "small":
         for i in range(min(len(levels), len(long))):
             print(f"{'--full, ' + str(i):10} {long[i]['cells'][0]:8.0f}" + " " * 33
-                  + coefficients([(long[i][c][0], STUDENT_9 * long[i][c][1]) for c in COEFFICIENTS]))
+                  + coefficients([long[i][c] for c in COEFFICIENTS]))
     for i, (cells, particles, *found) in enumerate(PAPER[:len(levels)]):
         print(f"{'paper, ' + str(i):10} {cells:8d} {particles:10.0f} {particles / cells:6.1f}" + " " * 16
               + coefficients([(v, 0) for v in found]))

@@ -13,19 +13,19 @@ out, levels = pathlib.Path(sys.argv[1]), int(sys.argv[2])
 rows = rows_of(FOLDER / "expected.csv")
 exact, largest_error = ({row["quantity"]: float(row[column]) for row in rows} for column in ("value", "largest_error"))
 failed = []
-print("level      C_D  +-        facets    sphere   off       C_H  +-        facets    sphere   off")
+print("+-: bounds of 95 %\nlevel      C_D  +-        facets    sphere   off       C_H  +-        facets    sphere   off")
 last = None
 for level in range(levels + 1):
     report = json.load(open(out / f"level{level}.json"))
     facets = report["plan"]["free_molecular"]
     cells, offs = [], {}
     for name in ("C_D", "C_H"):
-        value, error = report[name]["value"], report[name]["stderr"]
-        cells.append(f"{value:8.4f}  {error:7.4f}  {facets[name]:8.4f}  {exact[name]:8.4f} {100 * (value / exact[name] - 1):+6.2f}%")
+        value, error, half = (report[name][key] for key in ("value", "stderr", "ci95"))
+        cells.append(f"{value:8.4f}  {half:7.4f}  {facets[name]:8.4f}  {exact[name]:8.4f} {100 * (value / exact[name] - 1):+6.2f}%")
         if not error <= largest_error[name] * value:
             failed.append(f"level {level}: the standard error of {name} is {error:.4f}, expected at most {largest_error[name] * value:.4f}")
         if not abs(value - facets[name]) <= 4 * error:
-            failed.append(f"level {level}: {name} is {value:.4f} +- {error:.4f}, the closed form on the facets is {facets[name]:.4f}")
+            failed.append(f"level {level}: {name} is {value:.4f} +- {half:.4f}, the closed form on the facets is {facets[name]:.4f}")
         offs[name] = abs(facets[name] / exact[name] - 1)
         if last and offs[name] > last[name] / 3:
             failed.append(f"level {level}: the facets' error of {name} is {offs[name]:.5f} after {last[name]:.5f}: not three times smaller")

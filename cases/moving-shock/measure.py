@@ -5,7 +5,7 @@
 In every window a step n1 + (n2 - n1) / (1 + exp(4 (x - X) / d)) is fitted to the density of the cells beyond the layer at the wall: X is
 the place of the shock, d its thickness by the largest slope. The speed is that of a straight line through the X of all windows from
 step FIRST on; n2 and d are means over these windows. The temperature behind is that of all molecules between the layer and the shock,
-the pressure that on the wall (--history), over the same windows. Standard errors are those of the means of the seeds.
+the pressure that on the wall (--history), over the same windows. Errors are those of the means of the seeds; +-: bounds of 95 %.
 
 Prints each number beside the closed form; writes OUT/NAME.csv (time, X of each seed). Exit code 1 if one of a row of expected.csv is
 missed: off by more than four standard errors, or its standard error larger than the row allows."""
@@ -17,6 +17,9 @@ import tomllib
 
 import h5py
 import numpy as np
+
+sys.path.append(str(pathlib.Path(__file__).resolve().parent.parent))
+from bounds import student_95  # noqa: E402
 
 BOLTZMANN, MASS = 1.380649e-23, 6.63e-26
 WALL_LAYER = 0.15  # m: what the start has left at the wall
@@ -107,7 +110,7 @@ for name in sys.argv[3:]:
     for quantity in ("speed", "n2/n1", "T2/T1", "p2/p1", "thickness"):
         values = np.array([r[quantity] for r in results])
         error = values.std(ddof=1) / math.sqrt(len(values)) if len(values) > 1 else math.nan
-        line = f"  {quantity:10} {values.mean():9.4f} +- {error:.4f}"
+        line = f"  {quantity:10} {values.mean():9.4f} +- {student_95(len(values)) * error:.4f}"
         if row := expected.get((name, quantity)):
             value, most = float(row["value"]), float(row["largest_error"])
             good = error <= most * value and abs(values.mean() - value) <= 4 * error + float(row["allowed"]) * value

@@ -4,7 +4,7 @@
 
 OUT/CASE-SEED-WINDOW.hdf hold the averages of EVERY x WINDOW steps since the transient; the difference of two is the
 average of one window. In every window the point of the mean density is looked for and laid upon x = 0, because the shock
-drifts at random. Prints jumps beside expected.csv with standard errors from all windows in groups of five, and the greatest slope of the density;
+drifts at random. Prints jumps beside expected.csv with bounds of 95 % (+-) from all windows in groups of five, and the greatest slope of the density;
 writes OUT/CASE.csv. Exit code 1 when a jump is off by more than four standard errors (one seed:
 0.7 %), or its standard error (of three seeds) above 0.3 %."""
 import csv
@@ -15,6 +15,9 @@ import tomllib
 
 import h5py
 import numpy as np
+
+sys.path.append(str(pathlib.Path(__file__).resolve().parent.parent))
+from bounds import student_95  # noqa: E402
 
 BOLTZMANN = 1.380649e-23
 SLAB = 4e-3  # m: the edge of a brick
@@ -108,6 +111,7 @@ with np.errstate(all="ignore"):
     n, t_tr, t_rot, t = states(aligned)
 print(f"{name}: {len(aligned)} windows of {every} steps with {seeds} seeds; the mid-density point wandered over "
       f"{1e3 * min(places):.1f} to {1e3 * max(places):.1f} mm")
+factor = student_95(len(aligned) // 5)  # bounds of 95 %, from groups of five windows
 failed = False
 expected = {r["quantity"]: float(r["value"]) for r in csv.DictReader(open(pathlib.Path(__file__).parent / "expected.csv")) if r["case"] == name}
 for quantity, value, error in zip(("n2/n1", "T2/T1", "p2/p1"), jumps, jump_errors):
@@ -115,7 +119,7 @@ for quantity, value, error in zip(("n2/n1", "T2/T1", "p2/p1"), jumps, jump_error
     bound = 0.007 * value if seeds < 3 else 4 * error
     ok = abs(value - expected[quantity]) <= bound and (seeds < 3 or error <= 0.003 * value)
     failed = failed or not ok
-    print(f"  {quantity}  {value:9.4f} +- {error:.4f}  expected {expected[quantity]:9.4f}  {'ok' if ok else 'NOT AS EXPECTED'}")
+    print(f"  {quantity}  {value:9.4f} +- {factor * error:.4f}  expected {expected[quantity]:9.4f}  {'ok' if ok else 'NOT AS EXPECTED'}")
 t1 = case["stream"]["free"]["temperature"]
 viscosity = 15 * math.sqrt(math.pi * mass * BOLTZMANN * species["t_ref"]) / (
     2 * math.pi * species["diameter"]**2 * (5 - 2 * species["omega"]) * (7 - 2 * species["omega"]))
@@ -123,7 +127,7 @@ viscosity *= (t1 / species["t_ref"])**species["omega"]
 path = 16 * viscosity / (5 * n1 * mass * math.sqrt(2 * math.pi * BOLTZMANN * t1 / mass))
 hard = 1 / (math.sqrt(2) * math.pi * species["diameter"]**2 * n1) * (t1 / species["t_ref"])**(species["omega"] - 0.5)
 for half, value, error in zip((7, 14, 20), thickness, thickness_errors):
-    print(f"  thickness (slope over +-{half} mm) {1e3 * value:6.1f} +- {1e3 * error:.1f} mm; 16 mu / (5 rho sqrt(2 pi R T)) over it "
+    print(f"  thickness (slope over +-{half} mm) {1e3 * value:6.1f} +- {1e3 * factor * error:.1f} mm; 16 mu / (5 rho sqrt(2 pi R T)) over it "
           f"{path / value:.3f}, mean free path of variable hard spheres over it {hard / value:.3f}")
 with open(out / f"{name}.csv", "w") as file:
     file.write("x,n,T_tr,T_rot,T\n")

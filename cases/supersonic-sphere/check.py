@@ -15,6 +15,7 @@ sys.path.append(str(FOLDER.parent))
 from bounds import rows_of  # noqa: E402
 
 OUT, LEVELS, RUN = pathlib.Path(sys.argv[1]), int(sys.argv[2]), sys.argv[3]
+FOUR_ERRORS = 4 / 2.262  # four standard errors in bounds of 95 % of ten groups
 CONTROLS = ("none", "isotropic", "short-edge", "removable")
 MACH = 8.0 if RUN.startswith("mach-8") else 4.2
 BEHIND = 4 * MACH**2 / (MACH**2 + 3)  # density behind a normal shock over that before it, of a monatomic gas
@@ -67,7 +68,7 @@ def expected(quantity, level=""):
 
 
 def mean_of(flows):
-    """Mean and standard error of independent values with theirs; a flow that several controls share counts once."""
+    """Mean and bound of 95 % of independent values with theirs; a flow that several controls share counts once."""
     flows = sorted(set(flows))
     return sum(v for v, _ in flows) / len(flows), math.sqrt(sum(e * e for _, e in flows)) / len(flows)
 
@@ -79,12 +80,12 @@ def unexpected_means(reports):
             row = expected(quantity, level)
             if row is None:
                 continue
-            value, error = mean_of([(r[quantity]["value"], r[quantity]["stderr"]) for r in of_level])
-            allowed = 4 * math.hypot(error, float(row["stderr"])) + float(row["mesh"])
-            if not error <= 2 * float(row["stderr"]):  # a wide bar would let any value pass
-                yield f"level {level}: the standard error of {quantity} is {error:.4f}, expected {row['stderr']}, at most twice that"
+            value, half = mean_of([(r[quantity]["value"], r[quantity]["ci95"]) for r in of_level])
+            allowed = FOUR_ERRORS * math.hypot(half, float(row["ci95"])) + float(row["mesh"])
+            if not half <= 2 * float(row["ci95"]):  # a wide bar would let any value pass
+                yield f"level {level}: the bound of 95 % of {quantity} is {half:.4f}, expected {row['ci95']}, at most twice that"
             if not abs(value - float(row["value"])) <= allowed:
-                yield (f"level {level}: the mean of {quantity} over the controls is {value:.4f} +- {error:.4f} (a standard error), "
+                yield (f"level {level}: the mean of {quantity} over the controls is {value:.4f} +- {half:.4f}, "
                        f"expected {row['value']} within {allowed:.4f}")
 
 

@@ -53,6 +53,10 @@ class InFolder(unittest.TestCase):
 
 
 class Bounds(InFolder):
+    def test_the_factor_of_student_is_that_of_the_tables(self):
+        self.assertEqual([round(bounds.student_95(n), 3) for n in (2, 3, 10, 21)], [12.706, 4.303, 2.262, 2.086])
+        self.assertEqual(bounds.student_95(1), math.inf)
+
     def test_a_value_beyond_either_bound_or_none_at_all_is_a_miss(self):
         self.write("expected.csv", "# why\nquantity,at_least,at_most,source\na,1,2,x\nb,,3,y\nc,4,,z\n")
         within = bounds.bounds_of(self.out / "expected.csv")
@@ -104,7 +108,7 @@ class SupersonicSphere(InFolder):
     def test_a_drag_one_percent_off_bars_that_are_wide_and_flat_cells_are_refused(self):
         self.assert_passes(self.run_with())
         self.assert_fails(self.run_with(drag=1.5966), "mean of C_D")
-        self.assert_fails(self.run_with(drag=1.5966, error=0.02), "standard error of C_D")
+        self.assert_fails(self.run_with(drag=1.5966, error=0.02), "bound of 95 % of C_D")
         self.assert_fails(self.run_with(mean_ratio=0.28), "smallest mean ratio is 0.2800")
 
 
@@ -141,14 +145,14 @@ class BluntCone(InFolder):
     def test_a_value_is_not_excused_by_its_own_wide_bar(self):
         self.assert_passes(self.run_with())
         self.assert_fails(self.run_with(drag=1.5421), "expected C_D")
-        self.assert_fails(self.run_with(drag=1.5421, error=0.01), "standard error of C_D")
+        self.assert_fails(self.run_with(drag=1.5421, error=0.01), "bound of 95 % of C_D")
 
 
 class HeatFlux(InFolder):
     def run_with(self, drag=1.6261, heat=6.51, error=0.01):
         for level in (0, 1):
             self.write(f"quality{level}.json", {"cells": 9})
-            self.write(f"flow{level}.json", {"patches": {"forebody": {"C_D": {"value": drag, "stderr": 4e-4}}}})
+            self.write(f"flow{level}.json", {"patches": {"forebody": {"C_D": {"value": drag, "ci95": 9e-4}}}})
             stations = {"0": (9.88, 0.11), "0.52": (8.14, 0.03), "1.04": (6.97, 0.02), "1.56": (heat, error)}
             self.write(f"lines{level}.csv", "name,quantity,value,stderr\n"
                        + "".join(f"S/Rn {at},q,{1e3 * q},{1e3 * e}\n" for at, (q, e) in stations.items()))
