@@ -15,6 +15,7 @@
 #include "solvers/dsmc/run/advance.hpp"
 #include "solvers/dsmc/run/flow_output.hpp"
 #include "solvers/dsmc/run/flow_report.hpp"
+#include "solvers/dsmc/run/flux_report.hpp"
 #include "solvers/dsmc/run/make_setup.hpp"
 #include "solvers/dsmc/run/plan.hpp"
 #include "solvers/dsmc/run/require_feasible.hpp"
@@ -143,6 +144,21 @@ void begin(cli::Session& session, const Options& o, dsmc::Computation& computati
   if (o.keep_cells) computation.keep_cells();
 }
 
+/// A restart of a run that has all its steps.
+void note_if_finished(cli::Session& session, const Options& o, const dsmc::Computation& computation) {
+  const auto done = computation.flow().steps_done;
+  const bool has_all = computation.is_complete();
+  if (o.restart.empty() || !(has_all || (o.advance.steps && done >= *o.advance.steps))) return;
+  session.summary(fmt::format("nothing left to do: {} has {} steps, as many as {}", o.restart, done,
+                              has_all ? "the case asks for (sampling in [run])" : "--steps asks for"));
+}
+
+/// What passes patches and planes, and whether that is what the gas has lost.
+void show_fluxes(cli::Session& session, const dsmc::Computation& computation) {
+  for (const auto& line : flux_lines(computation)) session.summary(line);
+  session.summary(balance_line(computation.averaging().state().balance));
+}
+
 dsmc::Advance advance(cli::Session& session, const Options& o, dsmc::Computation& computation) {
   std::unique_ptr<cli::Progress> progress;
   dsmc::Observer observer;
@@ -190,6 +206,7 @@ cli::ExitCode run_case(cli::Session& session, const Options& o) {
   const auto lines = describe(c, setup, outcome.plan);
   if (!o.plan) begin(session, o, computation.emplace(comm, c, std::move(setup), std::move(mesh)));
   for (const auto& line : lines) session.summary(line);
+  if (computation) note_if_finished(session, o, *computation);
   for (const auto& warning : warnings_of(outcome.plan)) session.warn(warning);
   if (o.plan) {
     session.write_report(to_json(outcome.plan));
@@ -214,6 +231,7 @@ cli::ExitCode run_case(cli::Session& session, const Options& o) {
   for (const auto& warning : warnings_of(outcome.resolution)) session.warn(warning);
   for (const auto& warning : warnings_of(computation->averaging())) session.warn(warning);
   session.write_report(report_of(*computation, outcome));
+  show_fluxes(session, *computation);
   session.summary(fmt::format("{} -> {}", summary_of(*computation, outcome), o.out.mesh));
   if (dsmc::is_finite(computation->averaging().results())) return cli::ExitCode::done;
   session.warn("expected coefficients that are numbers, found one that is not finite");

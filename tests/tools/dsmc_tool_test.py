@@ -54,7 +54,7 @@ length = 2.0
 # Gas streams through a cube past a warm floor.
 CUBE = gas_in_a_cube(
     SPECIES, rotation="[gas.rotation]\nz_infinity = 18.1\nt_star = 91.5\n", per_cell=15.0,
-    end="block = 4\n[reference]\narea = 1.0\n", ymin='kind = "symmetry"',
+    end="block = 4\n[[plane]]\nname = \"disk\"\npoint = [0.5, 0.5, 0.5]\nnormal = [1.0, 0.0, 0.0]\nradius = 0.3\n[reference]\narea = 1.0\n", ymin='kind = "symmetry"',
     ymax='kind = "cll", temperature = 400.0, normal_accommodation = 0.5, tangential_accommodation = 0.9',
     zmin='kind = "diffuse", temperature = 500.0, velocity = [10.0, 0.0, 0.0]',
     zmax='kind = "maxwell", temperature = 300.0, accommodation = 0.5')
@@ -91,10 +91,30 @@ def test_free_molecular_sphere_has_the_drag_and_heat_of_the_closed_form():
     assert report["averages"].pop("student_95") * report["C_D"]["stderr"] == report["C_D"]["ci95"]
     for name, change in report["averages"].pop("change").items():
         assert abs(change["value"]) < 4 * change["stderr"] < 0.1 * report[name]["value"], (name, change)
+        assert change["ci95"] > 2 * change["stderr"] and not change["drifts"], change
+    assert report["averages"].pop("begun") == "case" and report["averages"].pop("restarts") == 0
     assert report["averages"] == {"passage_steps": 20, "blocks": 20, "block_steps": 12, "groups": 10, "group_steps": 24,
                                   "independent": True}, report["averages"]
+    # In newtons and watts, and the same from what the wall was hit by.
+    pressure = 0.5 * 1e17 * 4.65e-26 * 2110.3806**2 * math.pi
+    flux = report["fluxes"]["patches"]["sphere"]
+    for of_body, name, unit, net in (("drag", "C_D", pressure, flux["net"]["momentum"]["value"][0]),
+                                     ("heat", "C_H", pressure * 2110.3806, flux["net"]["energy"]["value"])):
+        for part in ("value", "ci95"):
+            assert abs(report[of_body][part] / (unit * report[name][part]) - 1) < 1e-9, (of_body, report[of_body])
+        assert abs(net / report[of_body]["value"] - 1) < 1e-6, (net, report[of_body])
+    assert flux["net"]["molecules"]["value"] == 0 < flux["out"]["molecules"]["value"] == flux["in"]["molecules"]["value"]
+    balance = report["balance"]
+    assert balance["holds"] and balance["particles"]["unexplained"] == 0 and balance["intervals"] > 20, balance
+    assert balance["particles"]["after"] == report["particles"] and balance["momentum"]["off"] <= balance["momentum"]["allowed"], balance
     for key in ("particles", "particle_steps_per_second_per_core", "species", "lambda_inf", "reference"):
         assert report[key], key
+
+    # On the screen +- are bounds of 95 %.
+    shown = compute(case, "sphere.hdf", "short.hdf", "--steps", "180", "--json", "-")
+    drag = shown.json["C_D"]
+    assert f"C_D {drag['value']:.4f} +- {drag['ci95']:.4f} ({shown.json['drag']['value']:.4g} N)" in shown.err, shown.err
+    assert drag["ci95"] > 2 * drag["stderr"] and "\npatch sphere: " in shown.err and "\nbalance: " in shown.err, shown.err
 
     # A sixteenth of a turn says nothing about forces across the stream.
     sector = compute(write("sector.toml", SPHERE + "multiplier = 16.0\n"), "sphere.hdf", "x.hdf", "--steps", "84", "--json",
@@ -112,12 +132,13 @@ def test_free_molecular_sphere_has_the_drag_and_heat_of_the_closed_form():
     early = compute(write("early.toml", early), "sphere.hdf", "early.hdf", "--json", "-")
     assert "the flow was not steady: the drag changed by " in early.err and "(transient in [run])" in early.err, early.err
     change = early.json["averages"]["change"]["C_D"]
-    assert abs(change["value"]) > 4 * change["stderr"] > 0, change
+    assert abs(change["value"]) > 4 * change["stderr"] > 0 and change["drifts"], change
 
     # The same, beginning to average when the flow is found steady and ending when the drag is known to 1 %.
     alone = SPHERE.replace("transient = 60\n", "").replace("sampling = 240\nblock = 12", "sampling = 4000\nblock = 4\nstop_error = 0.01")
     alone = compute(write("alone.toml", alone), "sphere.hdf", "alone.hdf", "--json", "-", "--quiet").json
     assert 40 <= alone["averages_from_step"] < 1000 and alone["steady"].startswith("steady after step"), alone["steady"]
+    assert alone["averages"]["begun"] == "steady", alone["averages"]
     assert alone["steps"] < 4000 and 0 < alone["C_D"]["stderr"] < 0.01 * alone["C_D"]["value"], alone["C_D"]
     assert abs(alone["C_D"]["value"] - bound["C_D"]) < 4 * alone["C_D"]["stderr"]
 
@@ -146,6 +167,45 @@ def test_restart_gives_the_same_bytes_as_a_run_without_interruption():
             "c.vtu", "--quiet", ranks=max(1, RANKS - 1))
     for a, c in (("a.hdf", "c.hdf"), ("a.ck", "c.ck"), ("a.csv", "c.csv"), ("a.vtu", "c.vtu")):
         assert same_bytes(a, c), f"{a} differs from {c}"
+    row = list(csv.DictReader(open("a.csv")))[-1]
+    assert float(row["disk:out_per_s"]) > float(row["disk:in_per_s"]) > 0 and float(row["disk:Fx"]) > 0, row
+    assert float(row["zmin:out_per_s"]) == float(row["zmin:in_per_s"]), row
+
+    again = compute(case, mesh, "d.hdf", "--restart", "c.ck")
+    assert "nothing left to do: c.ck has 30 steps, as many as the case asks for" in again.out, again.out
+    assert same_bytes("a.hdf", "d.hdf")
+    assert "as many as --steps asks for" in compute(case, mesh, "d.hdf", "--restart", "b.ck", "--steps", "9", "--force").out
+
+
+def test_planes_are_counted_and_bad_ones_refused():
+    mesh = kuhn_cube("cube.hdf", 2)
+    plane = CUBE[CUBE.index("[[plane]]"):CUBE.index("[reference]")]
+
+    def refused(text, *says):
+        refuses("pamr-dsmc", write("bad.toml", CUBE.replace(plane, text)), "--mesh", mesh, "-o", "x.hdf", says=says, creates="x.hdf")
+
+    rest = '[[plane]]\nname = "p"\npoint = [0.5, 0.5, 0.5]\n'
+    refused(rest, "bad.toml:", "normal")
+    refused(rest + "normal = [0.0, 0.0, 0.0]\n", "bad.toml:", "a direction")
+    refused(rest + "normal = [0.0, 0.0, 1.0]\nradius = 0.0\n", "bad.toml:", "radius")
+    refused(plane + plane, "bad.toml:", "a name that no other counted plane has")
+    refused(rest.replace("0.5, 0.5, 0.5", "0.5, 0.5, 1.5") + "normal = [0.0, 0.0, 1.0]\n", '"p"', "cuts the mesh")
+    refused('[[plane]]\nname = "p"\ncorner = [0.0, 0.0, 0.5]\nalong = [1.0, 0.0, 0.0]\nacross = [2.0, 0.0, 0.0]\n', "bad.toml:", "across")
+    section = '[[plane]]\nname = "section"\ncorner = [0.0, 0.0, 0.5]\nalong = [1.0, 0.0, 0.0]\nacross = [0.0, 1.0, 0.0]\n'
+    report = compute(write("case.toml", CUBE.replace(plane, section)), mesh, "a.hdf", "--checkpoint", "a.ck", "--json", "-", "--quiet").json
+    found = report["fluxes"]["planes"]["section"]
+    assert found["along"]["molecules"]["value"] > 0 and found["against"]["energy"]["value"] > 0, found
+    # What is counted belongs to the case.
+    refuses("pamr-dsmc", write("case.toml", CUBE), "--mesh", mesh, "-o", "x.hdf", "--restart", "a.ck",
+            says=("plane.section", "plane.disk"), creates="x.hdf")
+
+
+def test_a_species_file_of_sparta_is_called_so():
+    for name, text in (("air.species", "# ID molwt mass rot\n\nN2 28.01 4.65e-26 2 0.2 2 1.9e-4 3371.0 1.0 0.0\n"),
+                       ("air.vss", "N2  4.07E-10 0.74 273.15 1.6\n"), ("ar.species", "Ar 39.9 6.63E-26 0 0 0 0 0 1 0\n")):
+        write(name, text)
+        case = write("case.toml", CUBE.replace("[gas]\n", f"[gas]\nspecies_file = \"{name}\"\n"))
+        refuses("pamr-dsmc", case, "--mesh", kuhn_cube("cube.hdf", 2), "-o", "x.hdf", says=(name, "SPARTA", "[species.NAME]"), creates="x.hdf")
 
 
 def stopped(command, number, before, checkpoint):

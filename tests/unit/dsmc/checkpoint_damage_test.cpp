@@ -154,6 +154,16 @@ TEST_F(CheckpointContents, OfTheHeaderAreRefusedByName) {
   refused("/run/blocks/0", json::array(), "a block of loads");
   refused("/run/blocks/0/0/6", nullptr, "number 6 of a load");
   refused("/run/steady_reason", 5, "steady_reason");
+  refused("/run/begun", "yesterday", "why averages began");
+  refused("/run/restarts", -1, "restarts");
+  refused("/run/history/0/20", nullptr, "a flux of the history");
+  refused("/run/flux_blocks/0", json::array(), "a block of fluxes");
+  refused("/run/flux_blocks/3", sound_->header["run"]["flux_blocks"][0], "at most 3 blocks of fluxes");
+  refused("/run/contents/particles/0", -1, "particles");
+  refused("/run/contents/sums/3", std::int64_t{1} << 60U, "a sum over the particles");
+  refused("/run/balance/in", 0.5, "in");
+  refused("/fluxes", json::array({1, 2}), "fluxes");
+  refused("/fluxes/4", "many", "a word of the fluxes");
 }
 
 TEST_F(CheckpointContents, OfOtherSizesAreRefused) {

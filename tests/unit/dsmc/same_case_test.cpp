@@ -84,6 +84,16 @@ block = 5
 area = 1.0
 length = 2.0
 point = [0.0, 0.0, 0.1]
+[[plane]]
+name = "p"
+point = [0.5, 0.25, 0.5]
+normal = [1.0, 0.0, 0.0]
+radius = 0.4
+[[plane]]
+name = "section"
+corner = [0.0, 0.0, 0.25]
+along = [1.0, 0.0, 0.0]
+across = [0.0, 0.75, 0.0]
 )";
 
 const std::string adapting = R"(
@@ -185,6 +195,11 @@ const std::vector<Change> changes{
     {"area = 1.0", "area = 1.0\npitch_axis = [1.0, 1.0, 0.0]", "reference.pitch_axis"},
     {"area = 1.0", "area = 1.0\nmultiplier = 2.0", "reference.multiplier"},
     {"area = 1.0", "area = 1.0\npatches = [\"zmin\"]", "reference.patches"},
+    {"point = [0.5, 0.25", "point = [0.5, 0.35", "plane.p.point"},
+    {"normal = [1.0, 0.0", "normal = [1.0, 0.1", "plane.p.normal"},
+    {"radius = 0.4", "radius = 0.3", "plane.p.radius"},
+    {"along = [1.0, ", "along = [0.5, ", "plane.section.along"},
+    {"across = [0.0, 0.75", "across = [0.0, 0.5", "plane.section.across"},
 };
 
 TEST_F(SameCase, NamesEveryMemberThatDiffers) {

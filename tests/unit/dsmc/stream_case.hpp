@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "solvers/dsmc/run/computation.hpp"
+#include "solvers/dsmc/run/flux_report.hpp"
 #include "solvers/dsmc/run/history.hpp"
 #include "solvers/dsmc/run/make_setup.hpp"
 
@@ -67,7 +68,7 @@ inline std::unique_ptr<dsmc::Computation> filled(const par::Comm& comm, const ds
 }
 
 inline std::string history_of(const dsmc::Computation& computation) {
-  return to_csv(computation.averaging().state().history, computation.the_case().dt);
+  return to_csv(computation.averaging().state().history, computation.the_case().dt, surfaces_of(computation));
 }
 
 }  // namespace pamr::test

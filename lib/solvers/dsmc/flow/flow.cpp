@@ -88,6 +88,8 @@ Flow::Flow(const par::Comm& comm, const mesh::DistMesh& mesh, Setup setup)
   collisions = start_collisions(setup_.gas, max_temperature(setup_), setup_.seed, domain_.cell_global);
   surface.face.resize(domain_.boundary.size());
   surface.set_units(setup_.gas.species.front().mass, typical_speed(setup_));
+  flux = FluxTally(setup_.gas, setup_.patch.size() + setup_.plane.size(), surface);
+  planes_ = place_planes(comm, mesh, setup_.unit, setup_.plane);
   cells.clear(n, setup_.gas);
   add_halo(comm, domain_);
   border_.emplace(domain_);
@@ -140,13 +142,14 @@ StepCounts Flow::step(bool wants_stop) {
   std::vector<Flight> entering;
   std::optional<Error> trouble;  // of this rank: thrown once all ranks know of it
   try {
-    inflow_->draw(steps_done, entering);
+    inflow_->draw(steps_done, entering, &flux);
   } catch (const Error& error) {
     trouble = error;
   }
   counts.entered = static_cast<std::int64_t>(entering.size());
   const auto before = static_cast<std::int64_t>(particles.size()) + counts.entered;
-  counts.moved = move(*comm_, rules(), particles, entering, {*border_, surface});
+  counts.moved = move(*comm_, rules(), particles, entering, {*border_, surface, &flux});
+  flux.fold_if_many();
   hits_unchecked_ += counts.moved.wall_hits;
   if (hits_unchecked_ >= hits_between_checks && !trouble) {
     hits_unchecked_ = 0;

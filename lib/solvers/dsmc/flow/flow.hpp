@@ -9,6 +9,8 @@
 #include "pamr/par/comm.hpp"
 #include "solvers/dsmc/flow/setup.hpp"
 #include "solvers/dsmc/kernel/collide.hpp"
+#include "solvers/dsmc/kernel/flux_planes.hpp"
+#include "solvers/dsmc/kernel/flux_tally.hpp"
 #include "solvers/dsmc/kernel/gas_domain.hpp"
 #include "solvers/dsmc/kernel/inflow.hpp"
 #include "solvers/dsmc/kernel/move.hpp"
@@ -79,16 +81,20 @@ class Flow {
   std::vector<CellCollisions> collisions;
   CellSamples cells;
   SurfaceTally surface;          ///< since the last block ended
+  FluxTally flux;                ///< since the last interval ended, of each patch and then of each plane
   std::uint64_t steps_done = 0;  ///< since the start of the computation
 
  private:
-  MoveRules rules() const { return {&domain_, &setup_.gas, setup_.patch, setup_.seed, steps_done}; }
+  MoveRules rules() const {
+    return {&domain_, &setup_.gas, setup_.patch, setup_.seed, steps_done, planes_.plane.empty() ? nullptr : &planes_};
+  }
   StepTotals add_up(const StepCounts& here, std::int64_t missing, bool wants_stop, const std::optional<Error>& trouble);
 
   const par::Comm* comm_;
   Setup setup_;
   GasDomain domain_;
   Collider collider_;
+  FluxPlanes planes_;
   std::optional<Inflow> inflow_;
   std::optional<BorderExchange> border_;
   bool sampling_ = false;

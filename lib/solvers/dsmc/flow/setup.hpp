@@ -10,6 +10,7 @@
 #include "solvers/dsmc/gas/stream.hpp"
 #include "solvers/dsmc/kernel/boundary.hpp"
 #include "solvers/dsmc/kernel/collide.hpp"
+#include "solvers/dsmc/kernel/flux_planes.hpp"
 
 namespace pamr::dsmc {
 
@@ -37,6 +38,7 @@ struct Setup {
   std::vector<BoundaryCondition> patch;  ///< one for each patch of the mesh
   int initial = 0;                       ///< stream that fills the domain at the start; -1: vacuum
   std::vector<Region> region;            ///< filled differently at the start; where they overlap the last one counts
+  std::vector<FluxPlane> plane;          ///< through which molecules are counted
   CollisionOptions collisions;
   double fnum = 1;              ///< F_num: real molecules per particle where the time step is `dt`
   double dt = 0;                ///< s, the largest time step

@@ -141,7 +141,7 @@ double Inflow::expected() const {
   return sum;
 }
 
-void Inflow::draw(std::uint64_t step, std::vector<Flight>& entering) const {
+void Inflow::draw(std::uint64_t step, std::vector<Flight>& entering, FluxTally* flux) const {
   for (const auto& face : face_) {
     const auto& boundary = rules_.domain->boundary[face.boundary];
     const auto c = at(boundary.cell);
@@ -166,6 +166,7 @@ void Inflow::draw(std::uint64_t step, std::vector<Flight>& entering) const {
         v = v - (dot(v, boundary.normal) + inwards) * boundary.normal;
         flight.time = rules_.domain->dt[c] * random.uniform_fine();
         entering.push_back(flight);
+        if (flux != nullptr) flux->add(at(boundary.patch), FluxTally::Way::in, s, v, flight.particle.rotation);
       }
     }
   }

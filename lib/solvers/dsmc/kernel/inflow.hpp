@@ -25,9 +25,9 @@ class Inflow {
   /// many faces, or more particles a step than can be numbered or held.
   Inflow(const par::Comm& comm, const MoveRules& rules, std::span<const Stream> stream);
 
-  /// Appends the particles of a step to `entering`, each with the time that it has left. Local. Throws `Error` when
-  /// more than 16,384 would enter through one face.
-  void draw(std::uint64_t step, std::vector<Flight>& entering) const;
+  /// Appends the particles of a step to `entering`, each with the time that it has left, and adds them to `flux`
+  /// (null: not counted). Local. Throws `Error` when more than 16,384 would enter through one face.
+  void draw(std::uint64_t step, std::vector<Flight>& entering, FluxTally* flux = nullptr) const;
 
   /// Expected number of particles per step on this rank. Local.
   double expected() const;

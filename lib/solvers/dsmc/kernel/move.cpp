@@ -51,7 +51,9 @@ class Mover {
         seed_(rules.seed),
         step_(rules.step),
         border_(&targets.border),
-        tally_(&targets.tally) {}
+        tally_(&targets.tally),
+        flux_(targets.flux),
+        planes_(targets.flux == nullptr ? nullptr : rules.planes) {}
 
   /// To the end of the flight.
   End fly(Flight& flight, Path& path) {
@@ -62,6 +64,11 @@ class Mover {
   End pass_face(Flight& flight, unsigned out, Path& path);
   /// Takes the rest of a particle from its row. Most flights end without a need for it.
   void complete(Particle& particle, Path& path) const;
+  bool has_planes() const { return planes_ != nullptr; }
+  /// Whether a particle that stays in this own cell may pass one.
+  bool has_planes(LocalId cell) const { return planes_ != nullptr && planes_->cuts_cell[at(cell)] != 0; }
+  /// Counts the planes between the begin of the flight's line and `end`.
+  void pass_planes(const Flight& flight, const Path& path, Vec3 end) const;
   MoveCounts counts;
 
  private:
@@ -76,9 +83,10 @@ class Mover {
   Exit first_exit(const CellPlanes& planes, const Flight& flight, unsigned out) const;
   Exit drawn_exit(const CellPlanes& planes, const Flight& flight, unsigned out, std::int64_t turn) const;
   End come_to_rest(const Flight& flight, const Path& path);
-  bool goes_across(Vec3& position, LocalId& link) const;
+  bool goes_across(Flight& flight, const Path& path, LocalId& link, double time) const;
   bool meets_boundary(Flight& flight, Path& path, std::size_t face, double time);
   void note_hit(std::size_t face, Vec3 momentum, double energy);
+  void count(std::size_t surface, FluxTally::Way way, const Particle& particle, const Path& path) const;
 
   const GasDomain* domain_;
   const Particles* particles_;
@@ -87,6 +95,8 @@ class Mover {
   std::uint64_t seed_, step_;
   BorderExchange* border_;
   SurfaceTally* tally_;
+  FluxTally* flux_;           ///< null: not counted
+  const FluxPlanes* planes_;  ///< null: none
 };
 
 void Mover::complete(Particle& particle, Path& path) const {
@@ -126,13 +136,37 @@ Mover::Exit Mover::drawn_exit(const CellPlanes& planes, const Flight& flight, un
   return exit;
 }
 
-/// A flight meets a boundary face. Of a periodic patch: shifts the place that its line began at, and `link` becomes
-/// where it goes on; else false.
-bool Mover::goes_across(Vec3& position, LocalId& link) const {
+/// Adds the particle as it is now to what has passed a patch or, behind the patches, a plane.
+void Mover::count(std::size_t surface, FluxTally::Way way, const Particle& particle, const Path& path) const {
+  if (flux_ == nullptr) return;
+  const bool is_complete = path.row == Path::no_row;
+  flux_->add(surface, way, is_complete ? particle.species : particles_->species[path.row], particle.velocity,
+             is_complete ? particle.rotation : particles_->rotation[path.row]);
+}
+
+void Mover::pass_planes(const Flight& flight, const Path& path, Vec3 end) const {
+  const auto& p = flight.particle;
+  const Vec3 begin = flight.begun > 0 ? p.position + flight.begun * p.velocity : p.position;
+  for (std::size_t k = 0; k < planes_->plane.size(); ++k)
+    if (const int way = planes_->plane[k].crossing(begin, end); way != 0)
+      count(patch_.size() + k, way > 0 ? FluxTally::Way::out : FluxTally::Way::in, p, path);
+}
+
+/// A flight meets a boundary face after `time`. Of a periodic patch: shifts the place that its line began at, and
+/// `link` becomes where it goes on; else false.
+bool Mover::goes_across(Flight& flight, const Path& path, LocalId& link, double time) const {
   if (domain_->shift.empty()) return false;
   const auto& face = domain_->boundary_face(at(-link - 1));
   if (face.across < 0) return false;
-  position = position + domain_->shift[at(face.patch)];
+  auto& p = flight.particle;
+  count(at(face.patch), FluxTally::Way::out, p, path);
+  count(at(patch_[at(face.patch)].partner), FluxTally::Way::in, p, path);
+  if (has_planes()) {
+    time = std::clamp(time, flight.begun, flight.time);
+    pass_planes(flight, path, p.position + time * p.velocity);
+    flight.begun = time;
+  }
+  p.position = p.position + domain_->shift[at(face.patch)];
   link = face.across;
   return true;
 }
@@ -152,13 +186,17 @@ void Mover::note_hit(std::size_t face, Vec3 momentum, double energy) {
 bool Mover::meets_boundary(Flight& flight, Path& path, std::size_t number, double time) {
   const auto& face = domain_->boundary_face(number);
   const auto& condition = patch_[at(face.patch)];
-  if (condition.is_open()) return false;
   auto& p = flight.particle;
-  complete(p, path);
   time = std::clamp(time, 0.0, flight.time);
-  p.position = p.position + time * p.velocity;
+  const Vec3 place = p.position + time * p.velocity;
+  if (has_planes()) pass_planes(flight, path, place);
+  count(at(face.patch), FluxTally::Way::out, p, path);
+  if (condition.is_open()) return false;
+  complete(p, path);
+  p.position = place;
   flight.time -= time;
   flight.passed = 0;
+  flight.begun = 0;
   flight.excluded_face = 1U << face.slot;
   const auto& species = gas_->species[p.species];
   Random random(seed_, Purpose::wall, p.id, step_, 8 * flight.events);
@@ -174,6 +212,7 @@ bool Mover::meets_boundary(Flight& flight, Path& path, std::size_t number, doubl
   }
   p.velocity = out.velocity;
   p.rotation = out.rotation;
+  count(at(face.patch), FluxTally::Way::in, p, path);
   return true;
 }
 
@@ -190,7 +229,9 @@ End Mover::pass_face(Flight& flight, unsigned out, Path& path) {
   Exit exit;
   if (out != 0) exit = first_exit(planes, flight, out);
   if (exit.slot < 0) {
-    p.position = p.position + flight.time * p.velocity;
+    const Vec3 end = p.position + flight.time * p.velocity;
+    if (has_planes()) pass_planes(flight, path, end);
+    p.position = end;
     return come_to_rest(flight, path);
   }
   if (path.faces > stall_limit) {
@@ -202,7 +243,7 @@ End Mover::pass_face(Flight& flight, unsigned out, Path& path) {
     flight.passed = std::max(flight.passed, exit.time);
   }
   auto link = domain_->link[c][at(exit.slot)];
-  if (link < 0 && !goes_across(p.position, link)) {
+  if (link < 0 && !goes_across(flight, path, link, exit.time)) {
     if (!meets_boundary(flight, path, static_cast<std::size_t>(-link - 1), exit.time)) return End::leaves_domain;
     if (flight.events < max_events) return End::flies;
     ++counts.stuck;
@@ -302,6 +343,7 @@ class OwnFlights {
                     : std::int64_t{0};
       out_[k] = bits;
     }
+    if (mover_->has_planes(cell)) pass_planes_within(begin, n);
     for (std::size_t k = 0; k < n; ++k) {  // without a branch, which nobody could foretell
       leaving_[n_leaving_] = {{x[k], y[k], z[k]}, begin + k, static_cast<unsigned>(out_[k])};
       n_leaving_ += out_[k] != 0 ? 1U : 0U;
@@ -310,6 +352,17 @@ class OwnFlights {
     std::copy_n(to_y_.begin(), n, y);
     std::copy_n(to_z_.begin(), n, z);
     if (n_leaving_ >= n_block) fly_leaving();
+  }
+
+  /// Of those of the block that stay in the cell, before they are moved.
+  void pass_planes_within(std::size_t begin, std::size_t n) const {
+    for (std::size_t k = 0; k < n; ++k) {
+      if (out_[k] != 0) continue;
+      Flight flight;
+      flight.particle.position = particles_->position(begin + k);
+      flight.particle.velocity = particles_->velocity(begin + k);
+      mover_->pass_planes(flight, {0, 0, begin + k}, {to_x_[k], to_y_[k], to_z_[k]});
+    }
   }
 
   void fly_leaving() {
@@ -340,6 +393,7 @@ class OwnFlights {
     one.flight.passed = 0;
     one.flight.events = 0;
     one.flight.excluded_face = 0;
+    one.flight.begun = 0;
     one.path = {0, 0, from.row};
     one.how = mover_->pass_face(one.flight, from.out, one.path);
     if (one.how != End::flies) return;
@@ -360,7 +414,9 @@ class OwnFlights {
     particles_->y[row] = end.y;
     particles_->z[row] = end.z;
     particles_->cell[row] = cell;
-    return is_plain && outside(domain_->planes[at(cell)], end) == 0;
+    const bool is_here = is_plain && outside(domain_->planes[at(cell)], end) == 0;
+    if (mover_->has_planes() && is_here) mover_->pass_planes(one.flight, one.path, end);
+    return is_here;
   }
 
   void finish(std::size_t row, OnItsWay& one) {
@@ -416,7 +472,8 @@ void MoveCounts::add(const MoveCounts& other) {
 
 MoveCounts move(const par::Comm& comm, const MoveRules& rules, Particles& particles, std::vector<Flight>& entering,
                 const MoveTargets& targets) {
-  auto& [border, tally] = targets;
+  auto& border = targets.border;
+  auto& tally = targets.tally;
   Mover mover(rules, particles, targets);
   double start = cpu_seconds();
   OwnFlights(mover, *rules.domain, particles, border).fly_all();

@@ -10,6 +10,8 @@
 #include "solvers/dsmc/kernel/border_exchange.hpp"
 #include "solvers/dsmc/kernel/boundary.hpp"
 #include "solvers/dsmc/kernel/flight.hpp"
+#include "solvers/dsmc/kernel/flux_planes.hpp"
+#include "solvers/dsmc/kernel/flux_tally.hpp"
 #include "solvers/dsmc/kernel/gas_domain.hpp"
 #include "solvers/dsmc/kernel/particles.hpp"
 #include "solvers/dsmc/kernel/surface_tally.hpp"
@@ -22,13 +24,15 @@ struct MoveRules {
   const Gas* gas = nullptr;
   std::span<const BoundaryCondition> patch;  ///< one for each patch of the mesh
   std::uint64_t seed = 0;
-  std::uint64_t step = 0;  ///< number of the time step
+  std::uint64_t step = 0;              ///< number of the time step
+  const FluxPlanes* planes = nullptr;  ///< null: none
 };
 
 /// Where the traces of moving particles are recorded. Only references.
 struct MoveTargets {
-  BorderExchange& border;  ///< particles that leave the rank; of the rules' domain, with nothing to deliver
-  SurfaceTally& tally;     ///< what walls are given
+  BorderExchange& border;     ///< particles that leave the rank; of the rules' domain, with nothing to deliver
+  SurfaceTally& tally;        ///< what walls are given
+  FluxTally* flux = nullptr;  ///< what passes patches and planes; null: not counted
 };
 
 /// What happened to particles in a step, on this rank.
@@ -53,7 +57,8 @@ struct MoveCounts {
 /// - No tolerance is needed: both cells of a face use bitwise opposite planes, so rounding can never send a particle
 ///   back, and a line through an edge or a corner is taken around it.
 /// - The line is never cut at a face, so positions do not depend on the mesh or the partition that it crosses, up to
-///   the walls.
+///   the walls. Planes are therefore compared with the two ends of a line; for particles that stay in their cell only
+///   in the cells that a plane cuts.
 /// - If rounding leads in circles (64 faces without progress), one of the faces behind the particle is chosen at
 ///   random, which ends it.
 ///

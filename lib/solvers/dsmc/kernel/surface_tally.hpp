@@ -43,7 +43,7 @@ struct SurfaceTally {
     sums.energy += fixed(energy / energy_unit);
   }
 
- private:
+  /// To the nearest integer.
   static std::int64_t fixed(double value) { return static_cast<std::int64_t>(value + (value < 0 ? -0.5 : 0.5)); }
 };
 

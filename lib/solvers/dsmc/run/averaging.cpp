@@ -4,12 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <utility>
 
 #include "pamr/base/error.hpp"
 #include "pamr/mesh/box_of_nodes.hpp"
+#include "solvers/dsmc/flow/gas_contents.hpp"
 #include "solvers/dsmc/gas/kinetic_theory.hpp"
 
 namespace pamr::dsmc {
@@ -30,68 +30,6 @@ double flow_through_steps(const Flow& flow, const mesh::DistMesh& mesh) {
   double time = 1e300;
   for (std::size_t k = 0; k < 3; ++k) time = std::min(time, extent[k] / std::max(std::fabs(free.velocity[k]), 0.5 * c));
   return std::clamp(time / setup.dt * setup.mean_dt_ratio, 1.0, max_steps);
-}
-
-/// Temperatures of all particles together.
-struct Temperatures {
-  double translational = 0, rotational = 0;
-};
-/// A sum of integers, of whichever size, over any number of particles: in two words, neither of which overflows.
-class WideSum {
- public:
-  void add(std::int64_t value) {
-    low_ += value & low_bits;
-    high_ += value >> n_low;
-  }
-  std::array<std::int64_t, 2> words() const { return {low_, high_}; }
-  static double value(std::int64_t low, std::int64_t high) {
-    return static_cast<double>(static_cast<long double>(high) * (low_bits + 1) + static_cast<long double>(low));
-  }
-
- private:
-  static constexpr int n_low = 24;
-  static constexpr std::int64_t low_bits = (std::int64_t{1} << n_low) - 1;
-  std::int64_t low_ = 0, high_ = 0;
-};
-
-/// Sums in fixed point, so that they do not depend on the ranks. Collective.
-Temperatures temperatures_of(const Flow& flow) {
-  const auto& p = flow.particles;
-  const auto& species = flow.setup().gas.species;
-  const auto& units = flow.surface;
-  std::array<WideSum, 5> wide;                             // momentum, energies
-  std::vector<std::int64_t> sums(10 + species.size(), 0);  // words of these, and numbers of the species
-  const auto fixed = [](double value) { return std::llrint(value); };
-  for (std::size_t i = 0; i < p.size(); ++i) {
-    const double w = species[p.species[i]].weight, m = w * species[p.species[i]].mass;
-    const Vec3 v = p.velocity(i);
-    wide[0].add(fixed(m * v.x / units.momentum_unit));
-    wide[1].add(fixed(m * v.y / units.momentum_unit));
-    wide[2].add(fixed(m * v.z / units.momentum_unit));
-    wide[3].add(fixed(0.5 * m * squared_norm(v) / units.energy_unit));
-    wide[4].add(fixed(w * p.rotation[i] / units.energy_unit));
-    ++sums[10 + p.species[i]];
-  }
-  for (std::size_t k = 0; k < wide.size(); ++k) {
-    sums[2 * k] = wide[k].words()[0];
-    sums[2 * k + 1] = wide[k].words()[1];
-  }
-  flow.comm().sum_in_place(sums);
-  const auto total = [&](std::size_t k) { return WideSum::value(sums[2 * k], sums[2 * k + 1]); };
-  double mass = 0, n = 0, weights = 0, degrees = 0;
-  for (std::size_t s = 0; s < species.size(); ++s) {
-    const auto n_here = static_cast<double>(sums[10 + s]);
-    n += n_here;
-    const double count = species[s].weight * n_here;
-    mass += species[s].mass * count;
-    weights += count;
-    degrees += species[s].rotational_degrees * count;
-  }
-  if (n < 2) return {};
-  const Vec3 momentum = units.momentum_unit * Vec3{total(0), total(1), total(2)};
-  const double energy = units.energy_unit * total(3) - squared_norm(momentum) / (2 * mass);
-  return {energy / (1.5 * boltzmann * (weights - weights / n)),
-          degrees > 0 ? units.energy_unit * total(4) / (0.5 * degrees * boltzmann) : 0};
 }
 
 }  // namespace
@@ -142,8 +80,9 @@ std::uint64_t Averaging::expected_steps() const {
 }
 
 void Averaging::before_step(Flow& flow) {
+  if (state_.contents.n.empty() && state_.in_interval == 0) state_.contents = contents_of(flow);
   if (!state_.sampling && schedule_.transient && flow.steps_done >= first_sampled_step())
-    begin_sampling(flow, fmt::format("averages begin after step {} as the case says", flow.steps_done));
+    begin_sampling(flow, Begun::by_case, fmt::format("averages begin after step {} as the case says", flow.steps_done));
 }
 
 void Averaging::after_step(Flow& flow, const StepTotals& counts) {
@@ -168,10 +107,11 @@ bool Averaging::is_complete(std::uint64_t steps_done) const {
   return drag.value != 0 && drag.error <= schedule_.stop_error * std::fabs(drag.value);
 }
 
-void Averaging::begin_sampling(Flow& flow, const std::string& reason) {
+void Averaging::begin_sampling(Flow& flow, Begun begun, const std::string& reason) {
   if (state_.in_interval > 0) end_interval(flow);
   state_.sampling = true;
   state_.sampling_since = flow.steps_done;
+  state_.begun = begun;
   state_.steady_reason = reason;
   flow.start_sampling();
 }
@@ -188,9 +128,11 @@ void Averaging::end_interval(Flow& flow) {
   row.n_steps = std::exchange(state_.in_interval, 0);
   row.particles = flow.n_particles();
   row.body = scale_.coefficients(sum_of(loads, body_));
-  const auto temperatures = temperatures_of(flow);
+  auto contents = contents_of(flow);
+  const auto temperatures = temperatures_of(contents, flow);
   row.t_tr = temperatures.translational;
   row.t_rot = temperatures.rotational;
+  end_fluxes(flow, std::move(contents), row);
   state_.history.push_back(row);
   if (state_.sampling) {
     state_.blocks.push_back(loads);
@@ -208,6 +150,21 @@ void Averaging::end_interval(Flow& flow) {
   }
 }
 
+/// Compares what has passed the patches in the interval with the contents before and after it, and ends it. What an
+/// older version has begun is not complete, and does not count. Collective.
+void Averaging::end_fluxes(Flow& flow, GasContents contents, HistoryRow& row) {
+  const auto& setup = flow.setup();
+  const auto words = total_fluxes(flow.comm(), flow.flux);
+  flow.flux.clear();
+  const auto before = std::exchange(state_.contents, std::move(contents));
+  if (before.n.empty()) return;
+  state_.balance.add(before, state_.contents, words, setup.patch.size(), row.collisions);
+  auto rates = flux_rates(words, setup.gas,
+                          {flow.surface.momentum_unit, flow.surface.energy_unit, setup.fnum / setup.dt, row.n_steps});
+  row.fluxes = net_fluxes(rates, setup.gas.species.size());
+  if (state_.sampling) state_.flux_blocks.push_back(std::move(rates));
+}
+
 /// Begins sampling if the history says that the flow is steady, or if the transient has lasted for too long.
 void Averaging::assess_steadiness_of(Flow& flow) {
   std::vector<Series> series{{"the number of particles", {}}, {"the drag", {}}, {"the heat to the walls", {}}};
@@ -222,10 +179,11 @@ void Averaging::assess_steadiness_of(Flow& flow) {
   for (std::size_t longer = 2 * window; !verdict.is_steady && 2 * longer <= series[0].value.size(); longer *= 2)
     if (auto other = assess_steadiness(series, longer); other.is_steady) verdict = std::move(other);
   if (verdict.is_steady)
-    begin_sampling(flow, fmt::format("steady after step {}: {}", flow.steps_done, verdict.reason));
+    begin_sampling(flow, Begun::steady, fmt::format("steady after step {}: {}", flow.steps_done, verdict.reason));
   else if (flow.steps_done >= state_.first_step + static_cast<std::uint64_t>(schedule_.max_transient))
-    begin_sampling(flow, fmt::format("not steady after step {} (most_transient), averages begin all the same: {}",
-                                     flow.steps_done, verdict.reason));
+    begin_sampling(flow, Begun::most_transient,
+                   fmt::format("not steady after step {} (most_transient), averages begin all the same: {}",
+                               flow.steps_done, verdict.reason));
 }
 
 /// Throws away averages that drift, if nobody has asked for them as they are and there is time for others.
@@ -238,6 +196,7 @@ void Averaging::begin_anew_if_not_steady(Flow& flow) {
   if (found.empty()) return;
   for (auto& row : state_.history) row.sampled = false;
   state_.sampling_since = flow.steps_done;
+  ++state_.n_restarts;
   state_.steady_reason = fmt::format("averages begun anew after step {}: in the {} blocks of {} steps before {}",
                                      flow.steps_done, n_blocks, state_.block_steps, found);
   begin_window(flow);
@@ -250,12 +209,17 @@ bool Averaging::is_window_full(std::uint64_t steps_done) const {
 
 void Averaging::begin_window(Flow& flow) {
   state_.blocks.clear();
+  state_.flux_blocks.clear();
   state_.face.assign(flow.domain().boundary.size(), {});
   flow.start_sampling();
 }
 
 void Averaging::finish(Flow& flow) {
-  if (state_.sampling && state_.blocks.empty() && state_.in_interval > 0) end_interval(flow);
+  if (state_.in_interval == 0) return;
+  if (state_.sampling && state_.blocks.empty()) return end_interval(flow);
+  if (state_.contents.n.empty()) return;
+  const auto words = total_fluxes(flow.comm(), flow.flux);
+  state_.balance.add(state_.contents, contents_of(flow), words, flow.setup().patch.size(), state_.interval.collisions);
 }
 
 Averaging::CoefficientSeries Averaging::series_of(const LoadOf& part) const {
@@ -296,12 +260,20 @@ Results Averaging::results() const {
   return results;
 }
 
+SurfaceFlux Averaging::flux(std::size_t surface, int species, std::size_t n_species) const {
+  return mean_flux(state_.flux_blocks, flux_groups().n_groups, surface, species, n_species);
+}
+
+Grouping Averaging::flux_groups() const {
+  return group_blocks(state_.flux_blocks.size(), state_.block_steps, passage_steps());
+}
+
 std::string drifts_of(const std::vector<Results::Trend>& trends) {
   std::string text;
   for (const auto& [coefficient, name, line] : trends)
     if (drifts(line))
       text += fmt::format("{}{} changed by {:+.2f} +- {:.2f} %", text.empty() ? "" : ", ", name,
-                          100 * line.change / std::fabs(line.mean), 100 * line.change_error / std::fabs(line.mean));
+                          100 * line.change / std::fabs(line.mean), 100 * line.change_bound() / std::fabs(line.mean));
   return text;
 }
 

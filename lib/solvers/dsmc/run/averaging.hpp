@@ -34,7 +34,7 @@ struct Results {
   std::vector<Trend> trends;  ///< of drag and heat, if there are ten groups; not in windows
 };
 
-/// Those that drift, in words: a flow that was not steady. Empty if none does. Local.
+/// Those that drift, in words, with bounds of 95 %: a flow that was not steady. Empty if none does. Local.
 std::string drifts_of(const std::vector<Results::Trend>& trends);
 /// Whether all coefficients and their errors are numbers. Local.
 bool is_finite(const Results& results);
@@ -57,7 +57,11 @@ class Averaging {
   bool is_window_full(std::uint64_t steps_done) const;
   /// Averages and sums on walls begin anew, on the flow's domain as it is now. Local.
   void begin_window(Flow& flow);
-  /// Ends averaging that has too few steps for a block, so that what there is counts. Collective.
+  /// What is in the gas has changed by other means than steps: the balance goes on from what is there before the next
+  /// one.
+  void forget_contents() { state_.contents = {}; }
+  /// Ends averaging that has too few steps for a block, so that what there is counts, and compares the contents of the
+  /// gas with what has passed the patches until now. Call it once, after the last step. Collective.
   void finish(Flow& flow);
 
   /// The run goes on from this state. Averages that have begun keep their blocks, so that all are of one length; throws
@@ -72,6 +76,10 @@ class Averaging {
   /// True while nobody knows when averages begin.
   bool waits_for_steady_flow() const { return !state_.sampling && !schedule_.transient; }
   Results results() const;
+  /// What passes a surface (patches, then planes) in a second, with the errors of `flux_groups`. `species` below 0:
+  /// all. Local.
+  SurfaceFlux flux(std::size_t surface, int species, std::size_t n_species) const;
+  Grouping flux_groups() const;
   std::int64_t block_steps() const { return state_.block_steps; }
   /// Steps in which the free stream passes the domain: what happens in them depends on each other.
   std::int64_t passage_steps() const;
@@ -81,9 +89,10 @@ class Averaging {
  private:
   std::uint64_t discarded() const;  ///< steps of a transferred flow that do not count
   std::uint64_t first_sampled_step() const;
-  void begin_sampling(Flow& flow, const std::string& reason);
+  void begin_sampling(Flow& flow, Begun begun, const std::string& reason);
   void begin_anew_if_not_steady(Flow& flow);
   void end_interval(Flow& flow);
+  void end_fluxes(Flow& flow, GasContents contents, HistoryRow& row);
   void assess_steadiness_of(Flow& flow);
 
   /// Coefficients of a part of the walls, a value for each block.

@@ -129,6 +129,7 @@ void Computation::adapt() {
   mesh::remove_field(mesh_.cell_fields, mesh::parent_field);  // it names cells of a mesh that nobody has any more
   flow_->resume(true);
   averaging_->begin_window(*flow_);
+  averaging_->forget_contents();
   auto& report = adaptation_;
   const auto n_cells = mesh_.info.n_global_cells;
   report.min_cells = std::min({report.n_times == 0 ? n_before : report.min_cells, n_before, n_cells});

@@ -60,7 +60,7 @@ class Computation {
   bool rebalance();
   /// From now on `step` leaves cells on their ranks.
   void keep_cells() { is_dynamic_ = false; }
-  /// Ends averaging that has too few steps for a block. Collective.
+  /// `Averaging::finish`. Collective.
   void finish() { averaging_->finish(*flow_); }
 
   /// Collective.

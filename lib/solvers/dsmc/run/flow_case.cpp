@@ -203,6 +203,30 @@ ProbePlane read_plane(const TomlTable& table) {
   return p;
 }
 
+/// A plane or disk by `point` and `normal`, or the parallelogram of a plane of points.
+void add_flux_plane(const TomlTable& table, Case& c) {
+  FluxPlane p;
+  p.name = table.text("name", "a name");
+  for (const auto& other : c.flux_plane)
+    if (other.name == p.name) table.refuse("name", "a name that no other counted plane has");
+  const bool is_parallelogram = table.has("corner");
+  if (is_parallelogram) {
+    p.point = read_place(table, "corner");
+    p.along = read_place(table, "along");
+    p.across = read_place(table, "across");
+    p.normal = cross(p.along, p.across);
+  } else {
+    p.point = read_place(table, "point");
+    p.normal = table.point<Vec3>("normal");
+    if (table.has("radius")) p.radius = table.number("radius", {0, max_place, true});
+  }
+  const double length = norm(p.normal);
+  if (!(length > 0 && std::isfinite(length)))
+    table.refuse(is_parallelogram ? "across" : "normal", is_parallelogram ? "an edge across `along`" : "a direction");
+  p.normal = (1 / length) * p.normal;
+  c.flux_plane.push_back(p);
+}
+
 }  // namespace
 
 const BoundaryCondition* Case::find_boundary(const std::string& patch) const {
@@ -228,7 +252,11 @@ Case read_case(std::string_view text, const std::string& where) {
   if (const auto table = file.find_table("reference")) read_reference(*table, c);
   for (const auto& table : file.list("station")) c.station.push_back(read_station(table));
   for (const auto& table : file.list("line")) c.line.push_back(read_line(table));
-  for (const auto& table : file.list("plane")) c.plane.push_back(read_plane(table));
+  for (const auto& table : file.list("plane"))
+    if (table.has("points"))
+      c.plane.push_back(read_plane(table));
+    else
+      add_flux_plane(table, c);
   if (const auto table = file.find_table("domain")) c.unit = table->number("unit", {1e-15, 1e15});
   file.finish();
   return c;

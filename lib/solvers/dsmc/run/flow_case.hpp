@@ -57,7 +57,8 @@ struct Case {
   Reference reference;
   std::vector<Station> station;
   std::vector<ProbeLine> line;
-  std::vector<ProbePlane> plane;
+  std::vector<ProbePlane> plane;      ///< [[plane]] with `points`
+  std::vector<FluxPlane> flux_plane;  ///< [[plane]] without: what passes it is counted
 
   /// The condition of a patch: of its own name, or of the pattern that stands for it. Null if there is none; throws
   /// `Error` if two patterns stand for it.

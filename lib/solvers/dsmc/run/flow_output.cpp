@@ -10,6 +10,7 @@
 
 #include "pamr/io/native/native_file.hpp"
 #include "pamr/mesh/require_field.hpp"
+#include "solvers/dsmc/run/flux_report.hpp"
 #include "solvers/dsmc/run/history.hpp"
 #include "solvers/dsmc/sampling/cell_flow.hpp"
 #include "solvers/dsmc/sampling/density_scale.hpp"
@@ -67,7 +68,8 @@ CellResolution write_output(Computation& computation, const OutputFiles& files, 
   for (auto& field : fields) mesh::put_field(mesh.cell_fields, std::move(field));
   if (!files.mesh.empty()) io::write_native(comm, files.mesh, mesh);
   if (!files.surface.empty()) write_walls(comm, files.surface, walls, setup.unit, mesh.info.n_global_cells);
-  if (!files.history.empty()) write_text(files.history, to_csv(computation.averaging().state().history, c.dt));
+  if (!files.history.empty())
+    write_text(files.history, to_csv(computation.averaging().state().history, c.dt, surfaces_of(computation)));
   return resolution;
 }
 

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "solvers/dsmc/run/flux_report.hpp"
+
 namespace pamr::dsmc {
 
 namespace {
@@ -19,9 +21,21 @@ json shown(const Estimate& e, double student) {
   return j;
 }
 
-json shown(const Results::OfPatch& p, double student, bool with_lift) {
-  json j{{"C_D", shown(p.drag, student)}, {"C_H", shown(p.heat, student)}};
-  if (with_lift) {
+/// How reports show the coefficients.
+struct Style {
+  double student = 1;  ///< see above
+  bool with_lift = true;
+  const Scale& scale;
+};
+
+json shown(const Results::OfPatch& p, const Style& style) {
+  const double student = style.student, force = style.scale.force();
+  const double power = force * style.scale.speed();
+  json j{{"C_D", shown(p.drag, student)},
+         {"C_H", shown(p.heat, student)},
+         {"drag", shown(Estimate{force * p.drag.value, force * p.drag.error}, student)},
+         {"heat", shown(Estimate{power * p.heat.value, power * p.heat.error}, student)}};
+  if (style.with_lift) {
     j["C_L"] = shown(p.lift, student);
     j["C_m"] = shown(p.moment, student);
   }
@@ -34,7 +48,10 @@ json averages_of(const Averaging& averaging, const Results& results, double stud
          {"group_steps", results.groups.steps},        {"independent", results.groups.are_independent}};
   if (std::isfinite(student)) j["student_95"] = student;
   for (const auto& [coefficient, name, line] : results.trends)
-    j["change"][coefficient] = {{"value", line.change}, {"stderr", line.change_error}};
+    j["change"][coefficient] = {
+        {"value", line.change}, {"stderr", line.change_error}, {"ci95", line.change_bound()}, {"drifts", drifts(line)}};
+  j["begun"] = word_for(averaging.state().begun);
+  j["restarts"] = averaging.state().n_restarts;
   return j;
 }
 
@@ -90,10 +107,13 @@ json report_of(const Computation& computation, const Outcome& outcome) {
                              {"messages_per_step", ranks.messages},   {"bytes_per_step", ranks.bytes},
                              {"exchanges_per_step", ranks.exchanges}, {"reductions_per_step", ranks.reductions}};
   report["averages"] = averages_of(averaging, results, student);
-  report.update(shown(results.body, student, c.reference.gives_lift()));
+  const Style style{student, c.reference.gives_lift(), averaging.scale()};
+  report.update(shown(results.body, style));
   report["reference"] = shown(c.reference, averaging.scale());
   for (const auto& species : c.gas.species) report["species"].push_back(shown(species));
-  for (const auto& wall : results.walls) report["patches"][wall.patch] = shown(wall, student, c.reference.gives_lift());
+  for (const auto& wall : results.walls) report["patches"][wall.patch] = shown(wall, style);
+  report["fluxes"] = fluxes_report(computation);
+  report["balance"] = balance_report(state.balance);
   report["plan"] = to_json(outcome.plan);
   report["quality"] = to_json(outcome.resolution);
   return report;
@@ -105,20 +125,27 @@ std::string summary_of(const Computation& computation, const Outcome& outcome) {
                                 computation.flow().steps_done, outcome.n_particles, outcome.advance.rate());
   if (results.n_blocks == 0 || results.walls.empty()) return line;
   const auto& body = results.body;
-  const auto text = [](const char* name, const Estimate& e) {
-    return fmt::format("{} {:.4f} +- {:.4f}", name, e.value, e.error);
+  const double student = student_95(results.groups.n_groups);
+  const auto text = [&](const char* name, const Estimate& e) {
+    const auto value = fmt::format("{} {:.4f}", name, e.value);
+    return std::isfinite(student) ? fmt::format("{} +- {:.4f}", value, student * e.error) : value;
   };
+  const auto& scale = computation.averaging().scale();
   const auto lift = computation.the_case().reference.gives_lift()
                         ? fmt::format("{}, {}, ", text("C_L", body.lift), text("C_m", body.moment))
                         : std::string();
-  return fmt::format("{}; {}, {}{}", line, text("C_D", body.drag), lift, text("C_H", body.heat));
+  return fmt::format("{}; {} ({:.4g} N), {}{} ({:.4g} W)", line, text("C_D", body.drag),
+                     scale.force() * body.drag.value, lift, text("C_H", body.heat),
+                     scale.force() * scale.speed() * body.heat.value);
 }
 
 std::vector<std::string> warnings_of(const Averaging& averaging) {
+  std::vector<std::string> warnings;
+  if (const auto& balance = averaging.state().balance; !balance.holds())
+    warnings.push_back("what passed the patches is not what the gas has lost: " + balance_line(balance));
   const auto results = averaging.results();
   const auto& groups = results.groups;
-  if (results.walls.empty() || groups.n_groups < 2) return {};
-  std::vector<std::string> warnings;
+  if (results.walls.empty() || groups.n_groups < 2) return warnings;
   const auto passage = averaging.passage_steps();
   if (!groups.are_independent)
     warnings.push_back(fmt::format(

@@ -23,9 +23,10 @@ struct Outcome {
 
 /// The report under the keys of docs/tools/pamr-dsmc.md. Local; the same on every rank.
 nlohmann::json report_of(const Computation& computation, const Outcome& outcome);
-/// The same in one line: steps, particles, rate and, where there are walls and blocks, their loads. Local.
+/// The same in one line: steps, particles, rate and, where there are walls and blocks, their loads with bounds of 95 %.
+/// Local.
 std::string summary_of(const Computation& computation, const Outcome& outcome);
-/// What a user should be warned about in the errors of the averages. Local.
+/// What a user should be warned about in the balance, and in the errors of the averages. Local.
 std::vector<std::string> warnings_of(const Averaging& averaging);
 /// What became of the particles of the old mesh, in one line. Local.
 std::string summary_of(const Transferred& transferred);

@@ -4,22 +4,45 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 
 namespace pamr::dsmc {
 
-std::string to_csv(const std::vector<HistoryRow>& history, double dt) {
+namespace {
+
+/// A title of a column, quoted if it has to be.
+std::string title(const std::string& surface, const char* quantity) {
+  const auto text = surface + quantity;
+  if (text.find_first_of(",\"\n") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + "\"";
+}
+
+constexpr std::array<const char*, NetFlux{}.size()> quantities{":out_per_s", ":in_per_s", ":Fx", ":Fy", ":Fz", ":W"};
+
+}  // namespace
+
+std::string to_csv(const std::vector<HistoryRow>& history, double dt, const std::vector<std::string>& surfaces) {
   std::string text =
       "step,time,averaged,particles,entered_per_step,left_per_step,wall_hits_per_step,collisions_per_particle_step,"
-      "crossings_per_particle_step,C_D,C_L,C_m,C_H,T_tr,T_rot\n";
+      "crossings_per_particle_step,C_D,C_L,C_m,C_H,T_tr,T_rot";
+  for (const auto& surface : surfaces)
+    for (const auto* quantity : quantities) text += "," + title(surface, quantity);
+  text += "\n";
   for (const auto& row : history) {
     const double n = static_cast<double>(row.n_steps),
                  all = n * static_cast<double>(std::max<std::int64_t>(1, row.particles));
-    text += fmt::format(
-        "{},{:.9g},{},{},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g}\n", row.step,
-        static_cast<double>(row.step) * dt, row.sampled ? 1 : 0, row.particles, static_cast<double>(row.entered) / n,
-        static_cast<double>(row.left) / n, static_cast<double>(row.wall_hits) / n,
-        static_cast<double>(row.collisions) / all, static_cast<double>(row.crossings) / all, row.body.drag,
-        row.body.lift, row.body.moment, row.body.heat, row.t_tr, row.t_rot);
+    text += fmt::format("{},{:.9g},{},{},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g}",
+                        row.step, static_cast<double>(row.step) * dt, row.sampled ? 1 : 0, row.particles,
+                        static_cast<double>(row.entered) / n, static_cast<double>(row.left) / n,
+                        static_cast<double>(row.wall_hits) / n, static_cast<double>(row.collisions) / all,
+                        static_cast<double>(row.crossings) / all, row.body.drag, row.body.lift, row.body.moment,
+                        row.body.heat, row.t_tr, row.t_rot);
+    for (const auto& flux : row.fluxes)
+      for (const double number : flux) text += fmt::format(",{:.9g}", number);
+    if (row.fluxes.empty()) text.append(quantities.size() * surfaces.size(), ',');
+    text += "\n";
   }
   return text;
 }

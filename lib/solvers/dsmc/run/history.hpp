@@ -8,8 +8,9 @@
 
 namespace pamr::dsmc {
 
-/// The history of a run as CSV, one row per interval; `dt`: time step, s. Local.
-std::string to_csv(const std::vector<HistoryRow>& history, double dt);
+/// The history of a run as CSV, one row per interval; `dt`: time step, s; `surfaces`: names of those with fluxes, in
+/// their order. Local.
+std::string to_csv(const std::vector<HistoryRow>& history, double dt, const std::vector<std::string>& surfaces);
 
 /// How many particles there are, and by how much their number has changed in ten intervals: a flow that drifts is not
 /// steady. Empty without history. Local.

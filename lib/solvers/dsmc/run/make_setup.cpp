@@ -175,6 +175,7 @@ Setup make_setup(const par::Comm& comm, const Case& c, const mesh::DistMesh& mes
   require_reference(c, mesh, setup.patch);
   setup.initial = c.initial;
   setup.region = c.region;
+  setup.plane = c.flux_plane;
   setup.collisions = c.collisions;
   setup.dt = c.dt;
   setup.unit = unit_of(c, mesh);

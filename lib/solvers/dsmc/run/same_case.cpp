@@ -101,6 +101,14 @@ json facts_of_start(const Setup& setup) {
   return {{"stream", name_of(setup.stream, setup.initial)}, {"region", regions}};
 }
 
+json facts_of(const FluxPlane& p) {
+  return {{"point", facts_of(p.point)},
+          {"normal", facts_of(p.normal)},
+          {"radius", p.radius},
+          {"along", facts_of(p.along)},
+          {"across", facts_of(p.across)}};
+}
+
 json facts_of(const CollisionOptions& collisions) {
   using Partner = CollisionOptions::Partner;
   const char* partner = collisions.partner == Partner::any       ? "any"
@@ -189,6 +197,7 @@ json facts_of(const par::Comm& comm, const Case& c, const Setup& setup, const me
              {"domain", {{"unit", setup.unit}}}};
   for (const auto& s : c.gas.species) facts["species"][s.name] = facts_of(s);
   for (const auto& s : setup.stream) facts["stream"][s.name] = facts_of(s, c.gas);
+  for (const auto& p : setup.plane) facts["plane"][p.name] = facts_of(p);
   for (std::size_t p = 0; p < patches.size(); ++p)
     facts["boundary"][patches[p].name] = facts_of(setup.patch[p], setup, patches);
   return facts;

@@ -71,6 +71,8 @@ class Scale {
   Coefficients coefficients(const Load& load) const;
   double dynamic_pressure() const { return pressure_; }
   double speed() const { return speed_; }
+  /// Force of a coefficient of 1, N: of the entire body, as the coefficients are.
+  double force() const { return pressure_ * reference_.area; }
 
  private:
   Reference reference_;

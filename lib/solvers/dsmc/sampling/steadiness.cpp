@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "pamr/base/contract.hpp"
+#include "solvers/dsmc/sampling/estimate.hpp"
 
 namespace pamr::dsmc {
 
@@ -19,6 +20,7 @@ constexpr double unimportant = 0.005;  ///< change of a quantity, over its mean
 Line fit_line(std::span<const double> values) {
   PAMR_EXPECTS(values.size() > 2);
   Line line;
+  line.n = values.size();
   const double n = static_cast<double>(values.size());
   for (const double v : values) line.mean += v / n;
   double xx = 0, xy = 0;
@@ -39,6 +41,8 @@ Line fit_line(std::span<const double> values) {
   line.change_error = std::sqrt(variance / xx) * n;
   return line;
 }
+
+double Line::change_bound() const { return student_95(n - 1) * change_error; }  // n - 2 degrees of freedom
 
 bool drifts(const Line& line) {
   return std::fabs(line.change) > std::max(4 * line.change_error, unimportant * std::fabs(line.mean));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
 #include <span>
 #include <string>
 #include <vector>
@@ -11,6 +12,10 @@ namespace pamr::dsmc {
 struct Line {
   double mean = 0, mean_error = 0;
   double change = 0, change_error = 0;
+  std::size_t n = 0;  ///< values
+
+  /// Half the width of the interval of 95 % of the change.
+  double change_bound() const;
 };
 /// The line through equally spaced values, of which there are at least three. Local.
 Line fit_line(std::span<const double> values);

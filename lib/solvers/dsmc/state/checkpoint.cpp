@@ -14,6 +14,7 @@
 #include "pamr/base/with_file_name.hpp"
 #include "pamr/mesh/fingerprint.hpp"
 #include "pamr/par/exchange.hpp"
+#include "solvers/dsmc/flow/gas_contents.hpp"
 #include "solvers/dsmc/kernel/numbering.hpp"
 #include "solvers/dsmc/state/cell_row.hpp"
 #include "solvers/dsmc/state/checkpoint_rows.hpp"
@@ -167,6 +168,15 @@ void restore_faces(const par::Comm& comm, const Section& section, GlobalId n_cel
   }
 }
 
+/// What has passed patches and planes in the current interval, which rank 0 takes. An older version has not written it.
+void restore_fluxes(const par::Comm& comm, const nlohmann::json& header, Flow& flow) {
+  if (!header.contains("fluxes")) return;
+  std::vector<std::int64_t> words;
+  for (const auto& word : array_of(header["fluxes"], "fluxes", flow.flux.n_words()))
+    words.push_back(integer_of(word, "a word of the fluxes"));
+  if (comm.is_first()) flow.flux.set_words(words);
+}
+
 /// The mesh that the header of a checkpoint names, beside it; empty for none. Throws `Error`.
 std::string mesh_file_of(const nlohmann::json& header, const std::string& checkpoint) {
   if (!header.contains("mesh_file")) return {};
@@ -205,6 +215,7 @@ Snapshot take_snapshot(const par::Comm& comm, const MeshKey& mesh, const RunStat
                         {"steps_in_block", flow.cells.steps_in_block},
                         {"steps_in_blocks", flow.cells.steps_in_blocks},
                         {"setup", setup_of(flow)},
+                        {"fluxes", total_fluxes(comm, flow.flux)},
                         {"run", to_json(run)}};
   return {std::move(header), cell_section(comm, mesh.n_cells, flow), face_section(comm, mesh.n_cells, run, flow),
           particle_section(comm, mesh.n_cells, flow)};
@@ -231,7 +242,8 @@ RunState restore(const par::Comm& comm, const Snapshot& snapshot, Flow& flow) {
   const auto steps = [&](const char* key) { return count_of(member(header, key), key, steps_done); };
   flow.steps_done = static_cast<std::uint64_t>(steps_done);
   auto run = run_state_from(member(header, "run"),
-                            {flow.steps_done, flow.setup().patch.size(), flow.domain().boundary.size()});
+                            {flow.steps_done, flow.setup().patch.size(), flow.domain().boundary.size(),
+                             flow.setup().patch.size() + flow.setup().plane.size(), flow.setup().gas.species.size()});
   flow.resume(run.sampling);
   flow.cells.steps = steps("sampled_steps");
   flow.cells.blocks = steps("sampled_blocks");
@@ -244,6 +256,7 @@ RunState restore(const par::Comm& comm, const Snapshot& snapshot, Flow& flow) {
   restore_cells(comm, snapshot.cells, n_cells, flow, count);
   restore_particles(comm, snapshot.particles, n_cells, flow, count);
   restore_faces(comm, snapshot.faces, n_cells, run, flow);
+  restore_fluxes(comm, header, flow);
   return run;
 }
 

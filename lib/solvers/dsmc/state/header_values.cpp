@@ -49,6 +49,14 @@ std::int64_t count_of(const json& value, const std::string& name, std::int64_t h
   return value.get<std::int64_t>();
 }
 
+std::int64_t integer_of(const json& value, const std::string& name) {
+  constexpr auto far = std::int64_t{1} << 56U;
+  const bool fits = value.is_number_unsigned() ? value.get<std::uint64_t>() < static_cast<std::uint64_t>(far)
+                                               : value.is_number_integer() && value.get<std::int64_t>() > -far;
+  if (!fits) refuse(name, "an integer of less than 57 bits", value);
+  return value.get<std::int64_t>();
+}
+
 std::uint64_t word_of(const json& value, const std::string& name) {
   if (!value.is_number_unsigned()) refuse(name, "an integer of 64 bits", value);
   return value.get<std::uint64_t>();

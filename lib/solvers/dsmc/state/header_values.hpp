@@ -22,6 +22,8 @@ const nlohmann::json& array_of(const nlohmann::json& value, const std::string& n
                                std::size_t n = std::numeric_limits<std::size_t>::max());
 /// An integer in a range, ends included.
 std::int64_t count_of(const nlohmann::json& value, const std::string& name, std::int64_t high = max_count);
+/// An integer of either sign, of less than 57 bits, so that some can be added.
+std::int64_t integer_of(const nlohmann::json& value, const std::string& name);
 /// Any 64 bits.
 std::uint64_t word_of(const nlohmann::json& value, const std::string& name);
 /// A finite number.

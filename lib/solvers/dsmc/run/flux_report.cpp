@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solvers/dsmc/run/flux_report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace pamr::dsmc {
+
+namespace {
+
+using nlohmann::json;
+
+/// `student`: the factor from a standard error to the bounds of 95 %, infinite where there is none.
+json shown(const SurfaceFlux::Estimates& flux, double student) {
+  const auto values = [&](auto part, std::size_t first, std::size_t n) {
+    if (n == 1) return json(part(flux[first]));
+    json list = json::array();
+    for (std::size_t k = first; k < first + n; ++k) list.push_back(part(flux[k]));
+    return list;
+  };
+  json j;
+  const auto add = [&](const char* key, std::size_t first, std::size_t n) {
+    j[key]["value"] = values([](const Estimate& e) { return e.value; }, first, n);
+    if (std::isfinite(student)) j[key]["ci95"] = values([&](const Estimate& e) { return student * e.error; }, first, n);
+  };
+  add("molecules", 0, 1);
+  add("momentum", 1, 3);
+  add("energy", 4, 1);
+  return j;
+}
+
+json shown(const SurfaceFlux& flux, double student, bool is_plane) {
+  return {{is_plane ? "along" : "out", shown(flux.out, student)},
+          {is_plane ? "against" : "in", shown(flux.in, student)},
+          {"net", shown(flux.net, student)}};
+}
+
+std::size_t n_patches_of(const Computation& computation) { return computation.flow().setup().patch.size(); }
+
+}  // namespace
+
+std::vector<std::string> surfaces_of(const Computation& computation) {
+  std::vector<std::string> names;
+  for (const auto& patch : computation.mesh().info.patches) names.push_back(patch.name);
+  for (const auto& plane : computation.flow().setup().plane) names.push_back(plane.name);
+  return names;
+}
+
+json fluxes_report(const Computation& computation) {
+  const auto& averaging = computation.averaging();
+  const auto& species = computation.flow().setup().gas.species;
+  const auto names = surfaces_of(computation);
+  const double student = student_95(averaging.flux_groups().n_groups);
+  json report{{"blocks", averaging.state().flux_blocks.size()}, {"patches", json::object()}};
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    const bool is_plane = k >= n_patches_of(computation);
+    auto& entry = report[is_plane ? "planes" : "patches"][names[k]];
+    entry = shown(averaging.flux(k, -1, species.size()), student, is_plane);
+    for (std::size_t s = 0; s < species.size() && species.size() > 1; ++s)
+      entry["species"][species[s].name] =
+          shown(averaging.flux(k, static_cast<int>(s), species.size()), student, is_plane);
+  }
+  return report;
+}
+
+std::vector<std::string> flux_lines(const Computation& computation) {
+  const auto& averaging = computation.averaging();
+  std::vector<std::string> lines;
+  if (averaging.state().flux_blocks.empty()) return lines;
+  const auto names = surfaces_of(computation);
+  const double student = student_95(averaging.flux_groups().n_groups);
+  const auto bound = [&](double error) {
+    return std::isfinite(student) ? fmt::format(" +- {:.2g}", student * error) : std::string();
+  };
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    const bool is_plane = k >= n_patches_of(computation);
+    const auto f = averaging.flux(k, -1, computation.flow().setup().gas.species.size());
+    const double error = std::max({f.net[1].error, f.net[2].error, f.net[3].error});
+    lines.push_back(fmt::format("{} {}: {:.4g} {}, {:.4g} {} molecules/s; net ({:.4g}, {:.4g}, {:.4g}){} N, {:.4g}{} W",
+                                is_plane ? "plane" : "patch", names[k], f.out[0].value, is_plane ? "along" : "out",
+                                f.in[0].value, is_plane ? "against" : "in", f.net[1].value, f.net[2].value,
+                                f.net[3].value, bound(error), f.net[4].value, bound(f.net[4].error)));
+  }
+  return lines;
+}
+
+json balance_report(const GasBalance& b) {
+  const auto part = [](double off) {
+    return json{{"off", off}, {"allowed", GasBalance::allowed}, {"holds", off <= GasBalance::allowed}};
+  };
+  return {{"intervals", b.n_intervals},
+          {"holds", b.holds()},
+          {"particles",
+           {{"before", b.before},
+            {"in", b.in},
+            {"out", b.out},
+            {"after", b.after},
+            {"unexplained", b.unexplained},
+            {"holds", b.unexplained == 0}}},
+          {"momentum", part(b.momentum)},
+          {"energy", part(b.energy)}};
+}
+
+std::string balance_line(const GasBalance& b) {
+  const auto part = [](const char* name, double off) {
+    return fmt::format("{} off by {:.1e} ({})", name, off,
+                       off <= GasBalance::allowed ? "rounding" : fmt::format("allowed {:.1e}", GasBalance::allowed));
+  };
+  return fmt::format("balance: {} particles in, {} out, {}; {}, {}", b.in, b.out,
+                     b.unexplained == 0 ? std::string("exact") : fmt::format("{} UNEXPLAINED", b.unexplained),
+                     part("momentum", b.momentum), part("energy", b.energy));
+}
+
+}  // namespace pamr::dsmc

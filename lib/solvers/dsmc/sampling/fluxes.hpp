@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "solvers/dsmc/gas/gas.hpp"
+#include "solvers/dsmc/kernel/flux_tally.hpp"
+#include "solvers/dsmc/sampling/estimate.hpp"
+
+namespace pamr::dsmc {
+
+/// What passes a surface in a second: molecules, momentum (N, three components), energy (W).
+using FluxRate = std::array<double, 5>;
+
+/// What turns the sums of `FluxTally` into rates.
+struct FluxScale {
+  double momentum_unit = 1, energy_unit = 1;  ///< of `SurfaceTally`
+  double fnum_per_time = 1;                   ///< real molecules per particle and second
+  std::int64_t n_steps = 1;
+};
+
+/// The rate of each row of the tally. `words`: of all ranks. Local.
+std::vector<FluxRate> flux_rates(std::span<const std::int64_t> words, const Gas& gas, const FluxScale& scale);
+
+/// What passes a surface, of one species or of all.
+struct SurfaceFlux {
+  using Estimates = std::array<Estimate, 5>;  ///< as in `FluxRate`
+  Estimates out, in;                          ///< of a plane: along its normal, against it
+  Estimates net;                              ///< out less in: what the gas leaves there
+};
+/// Means over the blocks, with standard errors from `n_groups` groups of them. `blocks`: rates of all rows in each;
+/// `species` below 0: all of `n_species` together. Local.
+SurfaceFlux mean_flux(const std::vector<std::vector<FluxRate>>& blocks, std::size_t n_groups, std::size_t surface,
+                      int species, std::size_t n_species);
+
+/// What a row of the history has of a surface: molecules a second out and in, net momentum and energy.
+using NetFlux = std::array<double, 6>;
+/// For each surface, all species together. Local.
+std::vector<NetFlux> net_fluxes(const std::vector<FluxRate>& rates, std::size_t n_species);
+
+}  // namespace pamr::dsmc
