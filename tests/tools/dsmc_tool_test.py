@@ -145,6 +145,8 @@ def test_free_molecular_sphere_has_the_drag_and_heat_of_the_closed_form():
     # Ahead of the sphere, what it sends back comes on top of the free stream.
     root = xml.parse("wall.vtu").getroot()
     arrays = {a.get("Name"): np.array(a.text.split(), dtype=float) for a in root.iter("DataArray")}
+    units = {a.get("Name"): a.findtext("InformationKey") for a in root.iter("DataArray")}
+    assert [units[name] for name in ("p", "tau", "q", "area", "hits")] == ["Pa", "Pa", "W/m^2", "m^2", None], units
     assert abs(arrays["area"].sum() / (4 * math.pi) - 1) < 0.1
     assert (arrays["hits"] > 0).mean() > 0.5 and (arrays["p_stderr"][arrays["hits"] > 0.1] > 0).all()
     with h5py.File("flow.hdf") as file:

@@ -134,26 +134,6 @@ def test_whole_cells_log_scales_views_and_mirrors_work_together():
     assert np.abs(middle - np.array([183, 55, 121])).max() < 60, middle
 
 
-def test_whole_cells_at_a_side_of_the_domain_are_those_that_lie_there():
-    import mesh_files
-    import shapes
-    from view import Plane
-    mesh = mesh_files.read(cubes()[0])
-    for normal, offset in (((1, 0, 0), 0.0), ((0, 1, 0), 0.0), ((0, 0, 1), 0.0), ((0, 0, -1), -1.0)):
-        plane = shapes.within(mesh, Plane(np.array(normal, float), offset))
-        faces = shapes.cells_behind(mesh, plane, {})
-        owners = np.unique(shapes.array(faces.GetCellData(), "owner"))
-        heights = (mesh.points[mesh.cells] @ np.array(normal, float) - offset).min(axis=1)
-        assert len(owners) >= 36 and np.abs(heights[owners]).max() < 1e-9, (normal, len(owners))
-
-
-def test_titles_of_scales_fit_into_their_column():
-    import page
-    for title, lines in (("q, W/m^2", 1), ("density of the gas, 1/m^3", 3), ("temperature_translational", 2), ("x", 1)):
-        found = page.wrapped(title, page.BAR - 18)
-        assert len(found) == lines and "".join(found).replace(" ", "") == title.replace(" ", ""), found
-
-
 def test_every_format_of_the_tools_is_read():
     import mesh_files
     os.environ["PATH"] = f"{BIN}:{os.environ['PATH']}"
@@ -181,6 +161,45 @@ def test_every_format_of_the_tools_is_read():
             raise AssertionError(name)
         except mesh_files.Refused as wrong:
             assert name in str(wrong), wrong
+
+
+def test_units_of_arrays_are_read():
+    import mesh_files
+    import values
+    array = '<DataArray type="{}" Name="{}" NumberOfComponents="{}" format="ascii">{}{}</DataArray>'
+    unit = '<InformationKey name="UNITS_LABEL" location="vtkDataArray">{}</InformationKey>'
+    fields = (("p", "Pa"), ("q", "W/m^2"), ("area", "m^2"), ("hits", ""))
+    pathlib.Path("wall.vtu").write_text(
+        '<VTKFile type="UnstructuredGrid" version="0.1"><UnstructuredGrid><Piece NumberOfPoints="3" NumberOfCells="1"><Points>'
+        + array.format("Float64", "Points", 3, "0 0 0 1 0 0 0 1 0", "") + "</Points><Cells>"
+        + array.format("Int64", "connectivity", 1, "0 1 2", "") + array.format("Int64", "offsets", 1, "3", "")
+        + array.format("UInt8", "types", 1, "5", "") + "</Cells><CellData>"
+        + "".join(array.format("Float64", name, 1, "7", label and unit.format(label)) for name, label in fields)
+        + "</CellData></Piece></UnstructuredGrid></VTKFile>")
+    mesh = mesh_files.read("wall.vtu")
+    for name, label in fields:
+        found = values.values_of(mesh, name)
+        assert (found.unit, found.numbers.tolist()) == (label, [7]), (name, found)
+
+
+def test_whole_cells_at_a_side_of_the_domain_are_those_that_lie_there():
+    import mesh_files
+    import shapes
+    from view import Plane
+    mesh = mesh_files.read(cubes()[0])
+    for normal, offset in (((1, 0, 0), 0.0), ((0, 1, 0), 0.0), ((0, 0, 1), 0.0), ((0, 0, -1), -1.0)):
+        plane = shapes.within(mesh, Plane(np.array(normal, float), offset))
+        faces = shapes.cells_behind(mesh, plane, {})
+        owners = np.unique(shapes.array(faces.GetCellData(), "owner"))
+        heights = (mesh.points[mesh.cells] @ np.array(normal, float) - offset).min(axis=1)
+        assert len(owners) >= 36 and np.abs(heights[owners]).max() < 1e-9, (normal, len(owners))
+
+
+def test_titles_of_scales_fit_into_their_column():
+    import page
+    for title, lines in (("q, W/m^2", 1), ("density of the gas, 1/m^3", 3), ("temperature_translational", 2), ("x", 1)):
+        found = page.wrapped(title, page.BAR - 18)
+        assert len(found) == lines and "".join(found).replace(" ", "") == title.replace(" ", ""), found
 
 
 @of_full_level

@@ -143,7 +143,17 @@ def read_by_vtk(file):
     grid = reader.GetOutput()
     if grid is None or grid.GetNumberOfPoints() == 0 or grid.GetNumberOfCells() == 0:
         raise Refused(f"{file}: expected a mesh, found none that VTK can read")
-    return mesh_of_vtk(file, grid)
+    mesh = mesh_of_vtk(file, grid)
+    mesh.units = units_of(grid.GetCellData()) | units_of(grid.GetPointData())
+    return mesh
+
+
+def units_of(data):
+    """By name of the array, where VTK's key UNITS_LABEL says one."""
+    import vtk
+    key = vtk.vtkDataArray.UNITS_LABEL()
+    arrays = [array for array in map(data.GetArray, range(data.GetNumberOfArrays())) if array is not None]
+    return {array.GetName(): array.GetInformation().Get(key) for array in arrays if array.GetInformation().Has(key)}
 
 
 def arrays_of(data):

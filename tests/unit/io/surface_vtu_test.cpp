@@ -35,6 +35,26 @@ io::SurfaceTriangles square(const par::Comm& comm) {
   return t;
 }
 
+TEST(SurfaceVtu, SaysUnitsBehindTheNumbers) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  const test::Folder folder(comm);
+  auto t = square(comm);
+  t.corner_fields.clear();
+  t.fields[0].unit = "Pa";
+  t.fields[1].unit = "W/m^2";
+
+  io::write_surface_vtu(comm, folder / "s.vtu", t);
+
+  const auto text = content_of(folder / "s.vtu");
+  const auto key = [](const std::string& unit) {
+    return "\n<InformationKey name=\"UNITS_LABEL\" location=\"vtkDataArray\">" + unit +
+           "</InformationKey>\n</DataArray>";
+  };
+  EXPECT_THAT(text, testing::HasSubstr("0.5" + key("Pa")));
+  EXPECT_THAT(text, testing::HasSubstr("1 2 3" + key("W/m^2")));
+  EXPECT_THAT(text, testing::HasSubstr("0\n1\n</DataArray>"));  // patch: none
+}
+
 TEST(SurfaceVtu, PrintsSharedPointsByFirstUse) {
   const par::Comm comm(MPI_COMM_WORLD);
   const test::Folder folder(comm);

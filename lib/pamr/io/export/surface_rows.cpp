@@ -49,7 +49,7 @@ void add_values(SurfaceTriangles& t, std::span<const double> row) {
 SurfaceTriangles empty_like(const SurfaceTriangles& t) {
   SurfaceTriangles result{.all_cells = t.all_cells, .cell = {}, .corner = {}, .corner_fields = {}, .fields = {}};
   for (const auto& f : t.corner_fields) result.corner_fields.push_back({f.name, f.n_components, f.is_integer, {}});
-  for (const auto& f : t.fields) result.fields.push_back({f.name, f.n_components, f.is_integer, {}});
+  for (const auto& f : t.fields) result.fields.push_back({f.name, f.n_components, f.is_integer, {}, f.unit});
   return result;
 }
 

@@ -30,9 +30,11 @@ class Printer {
 
   void once(const std::string& text) { out_.append_once(text); }
 
-  /// An array of `n_rows` rows here; `print(out, i)` appends row `i`, without the end of the line.
+  /// An array of `n_rows` rows here; `print(out, i)` appends row `i`, without the end of the line. The unit stands after
+  /// the numbers, where scripts that take the text of the element do not meet it.
   template <class Print>
-  void array(const char* type, const std::string& name, int n_components, std::size_t n_rows, Print&& print) {
+  void array(const char* type, const std::string& name, int n_components, std::size_t n_rows, Print&& print,
+             const std::string& unit = {}) {
     once(fmt::format("<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"ascii\">\n", type, name,
                      n_components));
     std::string text;
@@ -41,22 +43,26 @@ class Printer {
       text += '\n';
     }
     out_.append(std::string_view(text));
+    if (!unit.empty())
+      once(fmt::format("<InformationKey name=\"UNITS_LABEL\" location=\"vtkDataArray\">{}</InformationKey>\n", unit));
     once("</DataArray>\n");
   }
 
   /// A field with `width` values in a line.
   void field(const SurfaceField& field, std::size_t width) {
-    array(field.is_integer ? "Int64" : "Float64", field.name, field.n_components, field.value.size() / width,
-          [&](auto out, std::size_t i) {
-            for (std::size_t k = 0; k < width; ++k) {
-              if (k > 0) fmt::format_to(out, " ");
-              const double value = field.value[width * i + k];
-              if (field.is_integer)
-                fmt::format_to(out, "{}", std::llround(value));
-              else
-                fmt::format_to(out, "{:.9g}", value);
-            }
-          });
+    array(
+        field.is_integer ? "Int64" : "Float64", field.name, field.n_components, field.value.size() / width,
+        [&](auto out, std::size_t i) {
+          for (std::size_t k = 0; k < width; ++k) {
+            if (k > 0) fmt::format_to(out, " ");
+            const double value = field.value[width * i + k];
+            if (field.is_integer)
+              fmt::format_to(out, "{}", std::llround(value));
+            else
+              fmt::format_to(out, "{:.9g}", value);
+          }
+        },
+        field.unit);
   }
 
   void commit() { out_.commit(); }

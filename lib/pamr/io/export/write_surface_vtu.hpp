@@ -19,6 +19,7 @@ struct SurfaceField {
   int n_components = 1;
   bool is_integer = false;         ///< said to be of 64-bit integers; real otherwise
   std::vector<double> value = {};  ///< n_triangles x n_components; of a corner field n_triangles x 3, corner by corner
+  std::string unit = {};           ///< written as VTK's key UNITS_LABEL of the array; empty: none
 };
 
 /// This rank's triangles of a surface, each on a face of a cell. Any rank may give any of them, none twice.

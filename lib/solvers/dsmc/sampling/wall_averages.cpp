@@ -64,8 +64,10 @@ std::vector<FaceRow> wall_averages(const GasDomain& domain, std::span<const Boun
 void write_walls(const par::Comm& comm, const std::string& file, const std::vector<FaceRow>& faces, double unit,
                  GlobalId n_global_cells) {
   io::SurfaceTriangles triangles{.all_cells = n_global_cells};
-  io::SurfaceField p{"p"}, p_error{"p_stderr"}, tau{"tau", 3}, q{"q"}, q_error{"q_stderr"}, hits{"hits"},
-      patch{"patch"}, area{"area"};
+  const std::string pascal = "Pa", flux = "W/m^2";
+  io::SurfaceField p{.name = "p", .unit = pascal}, p_error{.name = "p_stderr", .unit = pascal},
+      tau{.name = "tau", .n_components = 3, .unit = pascal}, q{.name = "q", .unit = flux},
+      q_error{.name = "q_stderr", .unit = flux}, hits{"hits"}, patch{"patch"}, area{.name = "area", .unit = "m^2"};
   for (const auto& face : faces) {
     triangles.cell.push_back(face.cell);
     auto& corner = triangles.corner.emplace_back();
