@@ -13,6 +13,7 @@ from report_page import OpenPage, opened, screenshot
 from tool_run import SHARED, kuhn_cube, of_full_level, once, run, run_tests
 from tet import FACE_TO_CORNER
 
+ROOT = pathlib.Path(__file__).parents[2]
 if report_page.BROWSER is None:
     print("skipped: there is no Chromium (Debian: chromium)")
     sys.exit(77)
@@ -69,7 +70,7 @@ def test_a_picked_triangle_is_the_one_that_lies_there():
     coarse, _, page = report()
     points, cells, neighbors, patches, heat = mesh_of(coarse)
     for look, patch, middle in (("x", "xmin", (0, 0.5, 0.5)), ("y", "ymin", (0.5, 0, 0.5)), ("z", "zmax", (0.5, 0.5, 1))):
-        title, said = opened(page, f"#meshes=0;look={look};color=heat;pick=0.503,0.51").picked()
+        title, said = opened(page, f"#meshes=0;show=boundary;look={look};color=heat;pick=0.503,0.51").picked()
         assert title == "Boundary triangle" and said["patch"].startswith(patch), said
         cell = int(said["cell behind"])
         slot = list(neighbors[cell]).index(-1 - patches.index(patch))
@@ -113,7 +114,7 @@ def test_worst_cells_are_flown_to():
 @of_full_level
 def test_meshes_are_drawn_side_by_side():
     _, _, page = report()
-    image = pixels(screenshot(page, "#color=level;theme=light", "light.png"))
+    image = pixels(screenshot(page, "#show=boundary;color=level;theme=light", "light.png"))
     left, right = image[150:600, 30:430], image[150:600, 470:860]
     first, second = (195, 204, 216), (88, 170, 187)  # of levels 0 and 1
     lit = lambda part, color: sum(near(part, np.array(color) * shade / 100, 10) for shade in range(70, 101, 6))
@@ -137,26 +138,24 @@ def test_sections_have_the_colors_of_their_values():
 @of_full_level
 def test_hidden_patches_are_neither_drawn_nor_picked():
     _, _, page = report()
-    title, said = opened(page, "#meshes=0;look=x;hide=xmin;pick=0.503,0.51").picked()
+    title, said = opened(page, "#meshes=0;show=boundary;look=x;hide=xmin;pick=0.503,0.51").picked()
     assert title == "Boundary triangle" and said["patch"].startswith("xmax"), said
 
 
 @of_full_level
 def test_mouse_and_keys_do_what_they_say():
     coarse, fine, file = report()
-    with OpenPage(file, "#meshes=0") as page:
+    with OpenPage(file, "#meshes=0;show=boundary") as page:
         page.rest()
         left, top, width, height = page.value(
             "(({left, top, width, height}) => [left, top, width, height])(document.getElementById('canvas').getBoundingClientRect())")
-        page.value("document.getElementById('canvas').focus()")
         page.press("x")
         page.click(left + 0.503 * width, top + 0.51 * height)
         by_click = page.seen().picked()
-    assert by_click == opened(file, "#meshes=0;look=x;pick=0.503,0.51").picked()
+    assert by_click == opened(file, "#meshes=0;show=boundary;look=x;pick=0.503,0.51").picked()
     assert by_click[1]["patch"].startswith("xmin")
-    with OpenPage(file, "#meshes=0") as page:
-        page.rest().value("document.getElementById('canvas').focus()")
-        edges = page.value("document.getElementById('edges').checked")
+    with OpenPage(file, "#meshes=0;show=boundary") as page:
+        edges = page.rest().value("document.getElementById('edges').checked")
         page.press("e", "s")
         assert page.rest().value("document.getElementById('edges').checked") != edges
         assert page.value("document.getElementById('show').value") == "x"
@@ -174,8 +173,62 @@ def test_without_webgl_the_tables_remain():
     with OpenPage(page, options=("--disable-3d-apis",)) as without:
         seen, said = without.seen(may_complain=True), without.complaints()
     assert all("WebGL" in text for text in said), said
-    assert "WebGL does not work here" in " ".join(seen.by_id["view"])
+    assert "WebGL does not work here" in " ".join(seen.by_id["remarks"])
+    assert "still" in seen.by_id and "canvas" not in seen.by_id and "controls" not in seen.by_id
+    assert seen.by_id["legend"] == ["level", "0", "1"], seen.by_id["legend"]
     assert "Meshes" in seen.tables and seen.by_id["charts"]
+
+
+def five_meshes():
+    """Five small meshes of the project: commands of pamr-mesh, and names of the patches that are no outer ones."""
+    yield "sphere", ("--shape", "sphere-in-box", "--size", "0.6"), {"sphere"}
+    yield "cone", ("--shape", "blunt-cone", "--size", "0.01"), {"forebody", "base", "sting"}
+    yield "spheres", ("--shape", "charged-spheres", "--size", "1.5"), {"sphere_1", "sphere_2"}
+    yield "cube", ("--shape", "kuhn-cube", "--n", "6"), set()
+    yield "rod", (str(ROOT / "cases/charged-rod/case.toml"),), {"rod"}
+
+
+@of_full_level
+def test_the_first_view_belongs_to_the_body():
+    for name, command, inner in five_meshes():
+        run("pamr-mesh", *command, "-o", f"{name}.hdf", "--quiet")
+        run("pamr-quality", f"{name}.hdf", "--html", f"{name}.html", "--quiet")
+        with OpenPage(f"{name}.html") as page:
+            found = page.rest().value("""(() => {
+                const found = [], {picture} = page;
+                for (let x = 0.02; x < 1; x += 0.04) for (let y = 0.03; y < 1; y += 0.06) {
+                    const picked = picture.pick(x, y);
+                    found.push(!picked ? "" : picked.kind === "cell" ? "section"
+                        : picked.scene.data.view.patches[picked.scene.data.facePatch[picked.index]].name);
+                }
+                return found;
+            })()""")
+            assert page.value("getComputedStyle(document.getElementById('still')).display") == "none"
+        part = sum(patch in inner or patch == "section" for patch in found) / len(found)
+        assert part >= 0.25 and set(found) <= inner | {"", "section"} | (set() if inner else set(found)), (name, part, set(found))
+
+
+@of_full_level
+def test_scales_have_three_digits_and_a_power_of_ten():
+    _, _, page = report()
+    seen = opened(page)
+    with OpenPage(page) as other:
+        texts = other.rest().value("[[0, 9.319208636925220e20, 1.8638417e21], [300, 300.5, 301], [1e-5, 0.5, 1]]"
+                                   ".map((values) => scaleNumbers(values))")
+    assert texts == [["0", "9.32 × 10²⁰", "1.86 × 10²¹"], ["300", "300.5", "301"], ["1 × 10⁻⁵", "0.5", "1"]], texts
+    assert seen.by_id["legend"][0] == "level"
+
+
+@of_full_level
+def test_tables_come_first_on_a_phone():
+    _, _, page = report()
+    top = "document.getElementById('{}').getBoundingClientRect().top"
+    for width, is_first in ((390, True), (480, True), (800, False)):
+        with OpenPage(page) as seen:
+            seen._call("Emulation.setDeviceMetricsOverride", width=width, height=800, deviceScaleFactor=1, mobile=width < 500)
+            seen.rest()
+            assert (seen.value(top.format("levels")) < seen.value(top.format("view"))) == is_first, width
+            assert seen.value("document.documentElement.scrollWidth") <= width, width
 
 
 @of_full_level

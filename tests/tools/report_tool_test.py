@@ -1,17 +1,22 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """pamr-quality --html without a browser: the same bytes on any number of ranks, tables, what is refused."""
 import base64
+import io
 import json
 import pathlib
 import re
 import zlib
 
 import h5py
+import matplotlib.image
 import numpy as np
 
 from report_page import Page
 from tool_run import kuhn_cube, refuses, run, run_tests, same_bytes
 from tet import FACE_TO_CORNER
+
+
+SIZES = {"blunt-cone": "0.01", "charged-spheres": "1.5"}
 
 
 def levels():
@@ -80,7 +85,7 @@ def test_tables_are_readable_without_scripts():
     report = run("pamr-quality", *names, "--html", "report.html", "--json", "-", "--quiet").json["meshes"]
     text = pathlib.Path("report.html").read_text()
     page = Page(text)
-    outside = re.findall(r"""(?:src|href)=["'](?!#)[^"']*""", re.sub(r"<script[ >].*?</script>", "", text, flags=re.S))
+    outside = re.findall(r"""(?:src|href)=["'](?!#|data:image/png;base64,)[^"']*""", re.sub(r"<script[ >].*?</script>", "", text, flags=re.S))
     assert not outside, outside
     meshes = page.tables["Meshes"]
     assert [row[0] for row in meshes[1:]] == list(names)
@@ -104,6 +109,54 @@ def test_tables_are_readable_without_scripts():
         assert np.isclose(ratios[0], mesh["mean_ratio"]["min"], rtol=1e-5)
         histogram = page.tables["Cells by mean ratio"]
         assert [int(row[1 + column].replace(",", "")) for row in histogram[1:]] == mesh["mean_ratio"]["histogram"]["counts"]
+
+
+def still_of(name):
+    """The still picture of a page: rows of red, green, blue and opacity, 0 to 255."""
+    text = pathlib.Path(name).read_text()
+    packed = re.search(r'<img id="still" src="data:image/png;base64,([^"]*)" alt="([^"]*)"', text)
+    picture = matplotlib.image.imread(io.BytesIO(base64.b64decode(packed.group(1))), format="png")
+    first = json.loads(re.search(r'class="constants">(.*?)</script>', text).group(1))["FIRST"]
+    return (picture * 255).round().astype(int), packed.group(2), first
+
+
+def near(image, color, within=20):
+    return int(((np.abs(image[:, :, :3] - np.array(color)).max(axis=2) <= within) & (image[:, :, 3] == 255)).sum())
+
+
+def test_a_still_picture_shows_the_body_without_its_box():
+    run("pamr-quality", *levels(), "--html", "both.html", "--quiet", serial=True)
+    image, words, first = still_of("both.html")
+    assert image.shape == (560, 1000, 4) and words == "Boundary of level0.hdf and of level1.hdf, without box", words
+    assert first == {"show": "boundary", "color": "level", "hidden": ["box"], "meshes": [0, 1]}, first
+    left, right = image[:, :500], image[:, 500:]
+    for panel in left, right:
+        assert (panel[:, :, 3] > 0).mean() > 0.25, (panel[:, :, 3] > 0).mean()
+    # level 0 in gray, level 1 in blue, both in light and shade
+    shades = lambda panel, color: sum(near(panel, np.array(color) * s / 100, 3) for s in range(62, 101, 6))
+    assert shades(left, (195, 204, 216)) > 20000 and shades(left, (88, 170, 187)) < 500
+    assert shades(right, (88, 170, 187)) > 20000 and shades(right, (195, 204, 216)) < 500
+    assert near(image, (91, 102, 118), 40) > 2000, "edges"
+    page = Page(pathlib.Path("both.html").read_text())
+    assert page.by_id["legend"] == ["level", "0", "1"] and "Boundary of level0.hdf" in page.by_id["remarks"][0]
+
+
+def test_first_views_are_of_bodies_or_of_a_section():
+    """Boxes with bodies of which one lies at a side, boxes with nothing in them, and parts without a box."""
+    for name, shape, hidden, show in (("cone", "blunt-cone", {"inflow", "outflow", "symmetry"}, "boundary"),
+                                      ("spheres", "charged-spheres", None, "boundary")):
+        run("pamr-mesh", "--shape", shape, "--size", SIZES[shape], "-o", f"{name}.hdf", "--quiet", serial=True)
+        run("pamr-quality", f"{name}.hdf", "--html", f"{name}.html", "--quiet", serial=True)
+        image, words, first = still_of(f"{name}.html")
+        assert first["show"] == show and first["color"] == "patch", first
+        assert hidden is None or set(first["hidden"]) == hidden, first
+        assert (image[:, :, 3] > 0).mean() > 0.25, (name, (image[:, :, 3] > 0).mean())
+    kuhn_cube("cube.hdf", 4)
+    run("pamr-quality", "cube.hdf", "--html", "cube.html", "--quiet", serial=True)
+    image, words, first = still_of("cube.html")
+    assert (first["show"], first["color"], first["hidden"]) == ("y", "level", []) and "Section through the middle" in words
+    assert near(image, (195, 204, 216), 1) > 30000, "the section is not shaded"
+    assert (image[:, :, 3] > 0).mean() > 0.25
 
 
 def test_names_are_text_not_markup():

@@ -11,8 +11,11 @@
 #include "pamr/base/contract.hpp"
 #include "pamr/base/version.hpp"
 #include "pamr/mesh/tet.hpp"
+#include "report/first_view.hpp"
 #include "report/html_table.hpp"
+#include "report/pack.hpp"
 #include "report/page_parts.hpp"
+#include "report/still.hpp"
 #include "report/view_json.hpp"
 
 namespace pamr::report {
@@ -41,14 +44,44 @@ std::string data_elements(const std::vector<ReportedMesh>& meshes) {
   return text;
 }
 
-std::string script_elements() {
+/// What the scripts share with the program.
+nlohmann::json constants(const std::vector<ReportedMesh>& meshes, const FirstView& first) {
+  return {{"TET_EDGES", mesh::tet::edge_to_corner},
+          {"TET_FACES", mesh::tet::face_to_corner},
+          {"PATCH_COLORS", patch_colors},
+          {"LEVEL_COLORS", level_colors},
+          {"FIRST",
+           {{"show", first.show}, {"color", first.color}, {"hidden", first.hidden}, {"meshes", first_meshes(meshes)}}}};
+}
+
+std::string script_elements(const nlohmann::json& constants) {
   using namespace parts;
-  auto text =
-      fmt::format("<script>\nconst TET_EDGES = {}, TET_FACES = {};\n</script>\n",
-                  nlohmann::json(mesh::tet::edge_to_corner).dump(), nlohmann::json(mesh::tet::face_to_corner).dump());
+  std::string text = data_element("constants", constants);
   for (const auto part :
        {three_js, uplot_js, unpack_js, colors_js, sections_js, details_js, view_js, charts_js, page_js})
     text += "<script>\n" + std::string(part) + "\n</script>\n";
+  return text;
+}
+
+/// The classes of the still picture and their colors, as drawLegend() of page/colors.js writes them.
+std::string legend(const std::vector<ReportedMesh>& meshes, const FirstView& first) {
+  const bool is_of_patches = first.color == "patch";
+  auto names = is_of_patches ? patch_names(meshes) : std::vector<std::string>{};
+  if (!is_of_patches)
+    for (int level = 0; level <= deepest_level(meshes); ++level) names.push_back(std::to_string(level));
+  const auto& colors = is_of_patches ? patch_colors : level_colors;
+  auto text = "<strong>" + first.color + "</strong><div class=\"classes\">";
+  for (std::size_t i = 0; i < names.size(); ++i)
+    text += fmt::format("<div><span class=\"swatch\" style=\"background: {}\"></span>{}</div>",
+                        colors[i % colors.size()], escaped(names[i]));
+  return text + "</div>";
+}
+
+/// What the still picture shows, in words.
+std::string words_of(const std::vector<ReportedMesh>& meshes, const FirstView& first) {
+  std::string text = first.show == "y" ? "Section through the middle of " : "Boundary of ";
+  for (const auto mesh : first_meshes(meshes)) text += (mesh == 0 ? "" : " and of ") + meshes[mesh].numbers.file;
+  for (std::size_t i = 0; i < first.hidden.size(); ++i) text += (i == 0 ? ", without " : ", ") + first.hidden[i];
   return text;
 }
 
@@ -79,6 +112,9 @@ check::ViewLimits limits_of_one(std::size_t n_meshes) {
 std::string html_report(const std::vector<ReportedMesh>& meshes) {
   PAMR_EXPECTS(!meshes.empty());
   const auto& first = meshes.front().numbers.file;
+  const auto first_seen = first_view(meshes);
+  const auto still = still_picture(meshes, first_seen);
+  const std::vector<unsigned char> bytes(still.begin(), still.end());
   const auto title = meshes.size() == 1 ? first : fmt::format("{} and {} more", first, meshes.size() - 1);
   return filled(parts::page_html, {{"title", escaped("Mesh report: " + title)},
                                    {"style", std::string(parts::uplot_css) + std::string(parts::report_css)},
@@ -90,8 +126,11 @@ std::string html_report(const std::vector<ReportedMesh>& meshes) {
                                    {"patches", patch_tables(meshes)},
                                    {"off_surface", off_surface_tables(meshes)},
                                    {"levels", level_table(meshes)},
+                                   {"still", base64(bytes)},
+                                   {"still_words", escaped(words_of(meshes, first_seen))},
+                                   {"legend", legend(meshes, first_seen)},
                                    {"data", data_elements(meshes)},
-                                   {"scripts", script_elements()},
+                                   {"scripts", script_elements(constants(meshes, first_seen))},
                                    {"version", std::string(version())}});
 }
 

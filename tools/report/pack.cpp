@@ -11,8 +11,6 @@
 
 namespace pamr::report {
 
-namespace {
-
 std::string base64(std::span<const unsigned char> bytes) {
   constexpr const char* digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   std::string text;
@@ -26,6 +24,17 @@ std::string base64(std::span<const unsigned char> bytes) {
   return text;
 }
 
+std::vector<unsigned char> deflated(std::span<const unsigned char> plain) {
+  uLongf size = compressBound(plain.size());
+  std::vector<unsigned char> bytes(size);
+  if (compress2(bytes.data(), &size, plain.data(), plain.size(), 6) != Z_OK)
+    throw std::runtime_error("zlib could not compress a part of the report");
+  bytes.resize(size);
+  return bytes;
+}
+
+namespace {
+
 /// The bytes of the codes, all lowest ones first, deflated.
 std::string packed(const std::vector<std::uint64_t>& codes) {
   std::uint64_t all = 0;
@@ -35,11 +44,7 @@ std::string packed(const std::vector<std::uint64_t>& codes) {
   plain.reserve(1 + n_planes * codes.size());
   for (std::size_t plane = 0; plane < n_planes; ++plane)
     for (const auto code : codes) plain.push_back(static_cast<unsigned char>(code >> (8 * plane) & 0xffU));
-  uLongf size = compressBound(plain.size());
-  std::vector<unsigned char> deflated(size);
-  if (compress2(deflated.data(), &size, plain.data(), plain.size(), 6) != Z_OK)
-    throw std::runtime_error("zlib could not compress a part of the report");
-  return base64(std::span(deflated).first(size));
+  return base64(deflated(plain));
 }
 
 }  // namespace

@@ -8,6 +8,12 @@
 
 namespace pamr::report {
 
+/// Bytes as text, in base 64 (RFC 4648).
+std::string base64(std::span<const unsigned char> bytes);
+
+/// Bytes in the format of zlib (RFC 1950). Throws `std::runtime_error` where zlib has no memory.
+std::vector<unsigned char> deflated(std::span<const unsigned char> plain);
+
 /// Integers for a script in a page (page/unpack.js reads them): differences of neighbors with the sign in the lowest
 /// bit, all first bytes, all second bytes, ..., as many as the largest difference needs; before them that number; all
 /// of it deflated, in base 64.

@@ -35,6 +35,12 @@ std::string in_words(std::string name) {
   return name + (is_angle ? " angle, degrees" : "");
 }
 
+/// The head of a column of lengths, areas or volumes.
+std::string with_unit(std::string head, const ReportedMesh& mesh, const char* power = "") {
+  const auto& unit = mesh.view.length_unit;
+  return unit.empty() || unit == "1" ? head : head + ", " + unit + power;
+}
+
 std::vector<std::string> coordinate_texts(geometry::Vec3 p) {
   return {short_number(p.x), short_number(p.y), short_number(p.z)};
 }
@@ -48,7 +54,11 @@ geometry::Vec3 centroid(const check::MeshView& view, std::size_t cell) {
 }  // namespace
 
 std::string mesh_table(const std::vector<ReportedMesh>& meshes) {
-  HtmlTable table("Meshes", {"mesh", "cells", "nodes", "volume", "mean ratio, worst", "mean ratio, mean",
+  const bool has_one_unit = std::all_of(meshes.begin(), meshes.end(), [&](const auto& mesh) {
+    return mesh.view.length_unit == meshes.front().view.length_unit;
+  });
+  const auto volume = has_one_unit ? with_unit("volume", meshes.front(), "³") : "volume, in units of its mesh";
+  HtmlTable table("Meshes", {"mesh", "cells", "nodes", volume, "mean ratio, worst", "mean ratio, mean",
                              "dihedral angles, degrees", "inverted", "off surface", "valid", "fingerprint"});
   for (const auto& mesh : meshes) {
     const auto& r = mesh.numbers.report;
@@ -123,9 +133,10 @@ std::string patch_tables(const std::vector<ReportedMesh>& meshes) {
   std::string text;
   for (const auto& mesh : meshes) {
     HtmlTable table(of_mesh("Patches", mesh),
-                    {"patch", "kind", "surface", "faces", "area", "nodes off surface", "worst distance of a node",
-                     "worst distance of a middle", "normal deviation, mean", "normal deviation, worst",
-                     "triangles: worst mean ratio", "triangles: smallest angle"},
+                    {"patch", "kind", "surface", "faces", with_unit("area", mesh, "²"), "nodes off surface",
+                     with_unit("worst distance of a node", mesh), with_unit("worst distance of a middle", mesh),
+                     "normal deviation, mean, degrees", "normal deviation, worst, degrees",
+                     "triangles: worst mean ratio", "triangles: smallest angle, degrees"},
                     3);
     const auto& report = mesh.numbers.report;
     for (std::size_t p = 0; p < report.patches.size(); ++p) {
@@ -151,7 +162,9 @@ std::string off_surface_tables(const std::vector<ReportedMesh>& meshes) {
   std::string text;
   for (std::size_t m = 0; m < meshes.size(); ++m) {
     HtmlTable table(of_mesh("Nodes off their surface, farthest first", meshes[m]),
-                    {"node", "patch", "distance", "x", "y", "z"}, 2);
+                    {"node", "patch", with_unit("distance", meshes[m]), with_unit("x", meshes[m]),
+                     with_unit("y", meshes[m]), with_unit("z", meshes[m])},
+                    2);
     for (const auto& node : meshes[m].view.off_surface) {
       std::vector<std::string> row{std::to_string(node.node), meshes[m].view.patches[at(node.patch)].name,
                                    short_number(node.distance)};
@@ -169,7 +182,8 @@ std::string worst_cell_tables(const std::vector<ReportedMesh>& meshes) {
   std::string text;
   for (std::size_t m = 0; m < meshes.size(); ++m) {
     const auto& view = meshes[m].view;
-    std::vector<std::string> heads{"cell", "x", "y", "z", "level"};
+    std::vector<std::string> heads{"cell", with_unit("x", meshes[m]), with_unit("y", meshes[m]),
+                                   with_unit("z", meshes[m]), "level"};
     for (const auto& values : meshes[m].numbers.report.metrics) heads.push_back(in_words(values.name));
     HtmlTable table(of_mesh("Cells of lowest mean ratio", meshes[m]), heads);
     for (const auto& worst : view.worst) {

@@ -4,11 +4,9 @@
 
 // Nine colors of viridis (S. van der Walt, N. Smith, E. Firing).
 const VIRIDIS = ["#440154", "#472d7b", "#3b528b", "#2c728e", "#21918c", "#28ae80", "#5ec962", "#addc30", "#fde725"];
-// As in pamr-picture: patches after Okabe and Ito, levels from light to loud.
-const PATCH_COLORS = ["#f0be5a", "#82c3eb", "#5abe96", "#f0e478", "#6e96cd", "#e1875f", "#d7a5c3", "#aaaaaa"];
-const LEVEL_COLORS = ["#c3ccd8", "#58aabb", "#edb25c", "#d4566a", "#9a7cc6", "#68b078", "#b48c64", "#707070"];
 const NO_VALUE = "#9d9d9d";
 const N_SHADES = 256;
+const SUPERSCRIPTS = {"-": "⁻", 0: "⁰", 1: "¹", 2: "²", 3: "³", 4: "⁴", 5: "⁵", 6: "⁶", 7: "⁷", 8: "⁸", 9: "⁹"};
 
 function rgb(color) { return [1, 3, 5].map((i) => parseInt(color.slice(i, i + 2), 16)); }
 
@@ -54,10 +52,22 @@ class Coloring {
   }
 }
 
-// Six significant digits, as in the tables of the page.
-function shortNumber(value) {
+// Six significant digits, as in the tables of the page, or fewer; a power of ten where the zeros would have to be counted.
+function shortNumber(value, digits = 6) {
   if (value === undefined || value === null || Number.isNaN(value)) return "none";
-  return Number.isInteger(value) ? String(value) : String(Number(value.toPrecision(6)));
+  const size = Math.abs(value);
+  if (!Number.isFinite(value) || Number.isInteger(value) && size < 1e6) return String(value);
+  if (size >= 1e-3 && size < 1e5) return String(Number(value.toPrecision(digits)));
+  const [mantissa, exponent] = value.toExponential(digits - 1).split("e");
+  return `${Number(mantissa)} × 10${[...String(Number(exponent))].map((sign) => SUPERSCRIPTS[sign]).join("")}`;
+}
+
+// Three digits, or as many as tell the values apart.
+function scaleNumbers(values) {
+  for (let digits = 3; ; ++digits) {
+    const texts = values.map((value) => shortNumber(value, digits));
+    if (digits === 6 || new Set(texts).size === new Set(values).size) return texts;
+  }
 }
 
 function addText(parent, tag, text, className) {
@@ -87,5 +97,5 @@ function drawLegend(element, coloring) {
   const {from, to} = coloring;
   const low = coloring.log && !(from > 0) ? to * 1e-6 : from;
   const middle = coloring.log ? Math.sqrt(low * to) : (low + to) / 2;
-  for (const value of Number.isFinite(from) ? [low, middle, to] : [NaN]) addText(ends, "span", shortNumber(value));
+  for (const text of scaleNumbers(Number.isFinite(from) ? [low, middle, to] : [NaN])) addText(ends, "span", text);
 }

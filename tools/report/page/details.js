@@ -25,7 +25,8 @@ async function columnLines(data, elements, index, nodes) {
 }
 
 function nodeLines(data, nodes) {
-  return nodes.map((node) => [`node ${data.nodeNumber[node]}`, data.position(node).map(shortNumber).join(" ")]);
+  const text = (node) => data.position(node).map((x) => shortNumber(x)).join(" ") + (data.unit && ` ${data.unit}`);
+  return nodes.map((node) => [`node ${data.nodeNumber[node]}`, text(node)]);
 }
 
 async function faceLines(data, face) {

@@ -82,7 +82,7 @@ async function paint(keepsRange) {
   for (const end of ["from", "to"]) {
     const given = Number($(end).value);
     if (keepsRange && $(end).value.trim() !== "" && Number.isFinite(given)) coloring[end] = given;
-    else $(end).value = coloring.classes || !Number.isFinite(coloring[end]) ? "" : shortNumber(coloring[end]);
+    else $(end).value = coloring.classes || !Number.isFinite(coloring[end]) ? "" : Number(coloring[end].toPrecision(6));
     $(end).disabled = coloring.classes !== null;
   }
   coloring.log = $("log").checked && !coloring.classes;
@@ -250,7 +250,6 @@ function applyTheme() {
   drawHistory($("history"), numbers);
   if (!page.picture) return;
   page.picture.shared.ink.value = glColor(styleValue("--ink"));
-  $("panels").style.background = styleValue("--stage");
   page.picture.draw();
 }
 
@@ -269,10 +268,11 @@ function connectControls() {
   for (const name of patchNames()) {
     const label = addText($("shown-patches"), "label", ""), box = document.createElement("input");
     box.type = "checkbox";
-    box.checked = true;
+    box.checked = !page.hidden.has(name);
     box.value = name;
     label.append(box, " " + name);
-    box.addEventListener("change", () => change(() => hidePatches([name], !box.checked)));
+    box.addEventListener("change", () => change(() => hidePatches(
+      [...page.hidden].filter((other) => other !== name).concat(box.checked ? [] : [name]))));
   }
   for (const name of columnNames()) $("color").append(new Option(name.replaceAll("_", " "), name));
   $("controls").addEventListener("submit", (event) => event.preventDefault());
@@ -287,10 +287,8 @@ function connectControls() {
     button.addEventListener("click", () => { page.picture.look(button.dataset.look); page.picture.draw(); });
 }
 
-async function hidePatches(names, areHidden) {
-  for (const name of names)
-    if (areHidden) page.hidden.add(name);
-    else page.hidden.delete(name);
+async function hidePatches(names) {
+  page.hidden = new Set(names);
   for (const box of document.querySelectorAll("#shown-patches input")) box.checked = !page.hidden.has(box.value);
   await paint(true);
 }
@@ -300,8 +298,12 @@ function showEdges() {
   page.picture.draw();
 }
 
+// Keys are for the picture while its middle is on the screen, unless something is being typed or chosen.
 function onKey(event) {
   if (event.ctrlKey || event.altKey || event.metaKey) return;
+  if (event.target.matches("input:not([type=checkbox]), select, textarea")) return;
+  const {top, bottom} = $("panels").getBoundingClientRect();
+  if (top + bottom < 0 || top + bottom > 2 * innerHeight) return;
   const {picture} = page, look = (where) => { picture.look(where); picture.draw(); };
   const actions = {
     ArrowLeft: () => picture.turn(-0.1, 0), ArrowRight: () => picture.turn(0.1, 0),
@@ -332,14 +334,15 @@ async function followLink() {
   if (wanted.has("show")) $("show").value = wanted.get("show");
   if (wanted.has("place")) $("place").value = wanted.get("place");
   if (wanted.has("color")) $("color").value = decodeURIComponent(wanted.get("color"));
-  if (wanted.has("hide")) await hidePatches(decodeURIComponent(wanted.get("hide")).split(","), true);
-  if (wanted.has("look")) page.picture.look(wanted.get("look"));
-  if (wanted.has("zoom")) page.picture.zoom(1 / numbers("zoom")[0]);
+  if (wanted.has("hide")) await hidePatches(decodeURIComponent(wanted.get("hide")).split(","));
   if (wanted.has("meshes")) await showMeshes(numbers("meshes").filter((i) => i in page.meshes));
   else if (wanted.has("show") || wanted.has("place") || wanted.has("color")) {
     arrange();
     await paint(false);
   }
+  if (wanted.has("look") || wanted.has("meshes") || wanted.has("show") || wanted.has("hide"))
+    page.picture.look(wanted.has("look") ? wanted.get("look") : "home");
+  if (wanted.has("zoom")) page.picture.zoom(1 / numbers("zoom")[0]);
   if (wanted.has("worst")) {
     const mesh = page.shown[page.shown.length - 1], number = page.meshes[mesh].view.worst[numbers("worst")[0]];
     if (number !== undefined) await flyToCell(mesh, number);
@@ -359,20 +362,23 @@ async function start() {
   try {
     page.picture = new Picture($("canvas"), nFaces < MANY_FACES, (picked) => change(() => pick(picked)));
   } catch (error) {
-    const reason = `No picture, because WebGL does not work here (${error.message}). The tables are below.`;
-    $("view").replaceChildren();
-    addText($("view"), "p", reason, "note");
+    for (const id of ["controls", "canvas", "shown-patches", "picked", "keys"]) $(id).remove();
+    $("remarks").textContent = `${$("still").alt}. The picture is a still one, because WebGL does not work here (${error.message}).`;
     applyTheme();
     document.documentElement.dataset.ready = "yes";
     return;
   }
+  page.hidden = new Set(FIRST.hidden);
   connectControls();
   addRowButtons();
-  $("canvas").addEventListener("keydown", onKey);
+  $("show").value = FIRST.show;
+  $("color").value = FIRST.color;
+  addEventListener("keydown", onKey);
   page.picture.shared.ink.value = glColor(styleValue("--ink"));
-  const last = page.meshes.length - 1;
-  await change(() => showMeshes(last === 0 ? [0] : [0, last]));
+  await change(() => showMeshes(FIRST.meshes));
+  page.picture.look("home");
   page.picture.drawNow();
+  document.documentElement.classList.add("has-picture");
   page.picture.wait();
   document.documentElement.dataset.firstFrame = String(Math.round(performance.now()));
   applyTheme();

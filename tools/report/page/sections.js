@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Sections of cells by a plane, and the cells around one. TET_EDGES and TET_FACES, the corners of a tetrahedron's edges and
-// faces, are written before by html_report.cpp.
+// Sections of cells by a plane, and the cells around one. TET_EDGES and TET_FACES are the corners of a tetrahedron's edges
+// and faces.
 "use strict";
 
 // Triangles of a section, three vertices each. A vertex lies between the nodes a and b, at the part w from a; `inner` is

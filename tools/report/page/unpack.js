@@ -2,6 +2,10 @@
 // Reads what pack.cpp wrote: base 64, deflated, bytes of the numbers plane by plane.
 "use strict";
 
+// What html_report.cpp shares with the scripts.
+const {TET_EDGES, TET_FACES, PATCH_COLORS, LEVEL_COLORS, FIRST} = JSON.parse(
+  document.querySelector("script.constants").textContent);
+
 async function inflated(base64) {
   const text = atob(base64);
   const bytes = new Uint8Array(text.length);

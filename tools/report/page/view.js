@@ -25,7 +25,8 @@ void main() {
   gl_Position = projectionMatrix * point;
 }`;
 
-// Edges are where a barycentric coordinate vanishes; they fade where triangles become as small as pixels.
+// Edges are where a barycentric coordinate vanishes. In triangles less than ten pixels high they fade with the height: the
+// edges of such triangles darken all of them alike.
 const FRAGMENT = `
 precision highp float;
 in vec3 seen;
@@ -41,10 +42,11 @@ void main() {
   vec3 normal = normalize(cross(dFdx(seen), dFdy(seen)));
   vec3 base = shade < -0.5 ? nothing : texture(palette, vec2(shade, 0.5)).rgb;
   base *= mix(1.0, 0.62 + 0.38 * abs(normal.z), lit);
-  vec3 width = fwidth(corner);
+  vec3 across = dFdx(corner), down = dFdy(corner);
+  vec3 width = sqrt(across * across + down * down); // one over the heights of the triangle, in pixels
   vec3 away = smoothstep(vec3(0.0), 1.2 * width + 1e-6, corner);
   float line = 1.0 - min(away.x, min(away.y, away.z));
-  float room = clamp(1.6 - 4.0 * max(width.x, max(width.y, width.z)), 0.0, 1.0);
+  float room = min(0.1 / max(width.x, max(width.y, width.z)), 1.0);
   color = vec4(mix(base, edge, 0.62 * edges * line * room), 1.0);
 }`;
 
@@ -95,6 +97,8 @@ void main() {
   color = vec4(ink, 1.0);
 }`;
 
+const LOOKS = {x: [-1, 0, 0], y: [0, -1, 0], z: [0, -0.0006, 1], home: [-1.05, -1.22, 0.72]};  // from where
+const MANY_CORNERS = 200000;
 const FIELD_OF_VIEW = 35;  // degrees, of the shorter side of a panel
 const NO_PLANE = [0, 0, 0, 0];
 const HIDDEN = -2;  // place of a triangle that is not drawn
@@ -307,10 +311,40 @@ class Picture {
     }));
   }
 
+  // Calls `take` with the coordinates of the corners of what is drawn of the meshes; of very many, with some of them.
+  forCorners(take) {
+    for (const scene of this.scenes)
+      for (const part of [scene.boundary, scene.section]) {
+        if (!part) continue;
+        const {position, place} = part.geometry.attributes, step = Math.ceil(position.count / MANY_CORNERS);
+        for (let i = 0; i < position.count; i += step)
+          if (place.array[i] !== HIDDEN) take(position.getX(i), position.getY(i), position.getZ(i));
+      }
+  }
+
+  // From one side, as near as shows all that is drawn (still.cpp does the same).
   look(where) {
-    const from = {x: [-1.7, 0, 0], y: [0, -1.7, 0], z: [0, -0.001, 1.7], home: [-1.05, -1.22, 0.72]}[where];
+    const toward = new THREE.Vector3(...LOOKS[where]).normalize();
+    const right = new THREE.Vector3(0, 0, 1).cross(toward).normalize(), up = toward.clone().cross(right);
+    const axes = [right, up, toward], low = [Infinity, Infinity, Infinity], high = low.map((x) => -x);
+    const along = ({x, y, z}, a, b, c) => x * a + y * b + z * c;
+    this.forCorners((...p) => axes.forEach((axis, d) => {
+      const place = along(axis, ...p);
+      low[d] = Math.min(low[d], place);
+      high[d] = Math.max(high[d], place);
+    }));
+    const middle = low.map((x, d) => x <= high[d] ? (x + high[d]) / 2 : 0);
+    const [panel] = this.panels(), {clientWidth, clientHeight} = this.canvas;
+    const aspect = panel && clientHeight ? panel.width * clientWidth / (panel.height * clientHeight) : 1;
+    const vertical = Math.tan(FIELD_OF_VIEW * Math.PI / 360) / Math.min(aspect, 1), horizontal = vertical * aspect;
+    let distance = 0;
+    this.forCorners((...p) => {
+      const [x, y, z] = axes.map((axis, d) => along(axis, ...p) - middle[d]);
+      distance = Math.max(distance, z + 1.06 * Math.max(Math.abs(x) / horizontal, Math.abs(y) / vertical));
+    });
     this.controls.target.set(0, 0, 0);
-    this.camera.position.set(...from);
+    axes.forEach((axis, d) => this.controls.target.addScaledVector(axis, middle[d]));
+    this.camera.position.copy(this.controls.target).addScaledVector(toward, distance || 1.7);
     this.controls.update();
   }
 
