@@ -45,9 +45,10 @@ class Group:
     names: dict
     sets: dict[str, np.ndarray]  #: rows of each cell set
 
-    @property
-    def things(self) -> str:
-        return "triangles" if self.kind == "triangle" else "tetrahedra"
+    def counted(self, n: int, one: str, many: str) -> str:
+        """n of them with a verb: "1 triangle is", "2 triangles are"."""
+        things = ("triangle", "triangles") if self.kind == "triangle" else ("tetrahedron", "tetrahedra")
+        return f"{n} {things[n != 1]} {(one, many)[n != 1]}"
 
     def name(self, tag: int) -> str:
         return self.names.get(tag, f"patch_{tag}" if self.kind == "triangle" else f"{REGION} {tag}")
@@ -212,8 +213,8 @@ def _leave_one_of_each(mesh: Any, key: Optional[str], group: Group, remarks: lis
     pairs = Counter(zip(smallest[place.ravel()][~kept].tolist(), group.tags[~kept].tolist()))
     for (one, other), n in sorted(pairs.items()):
         first, second = group.name(one), group.name(other)
-        remarks.append(f"{n} {group.things} are in the group '{first}' and in '{second}': they stay in '{first}', which has "
-                       f"the smaller number")
+        remarks.append(f"{group.counted(n, 'is', 'are')} in the group '{first}' and in '{second}': "
+                       f"{'it stays' if n == 1 else 'they stay'} in '{first}', which has the smaller number")
     gone = set(group.tags[~kept].tolist()) - set(group.tags[kept].tolist())
     group.names = {tag: name for tag, name in group.names.items() if tag not in gone}
     rows = np.cumsum(kept) - 1
@@ -231,8 +232,8 @@ def _tag_by_sets(group: Group, remarks: list[str]) -> None:
     for number, (name, rows) in enumerate(group.sets.items(), 1):
         before = group.tags[rows]
         for other, n in sorted(Counter(before[before > 0].tolist()).items()):
-            remarks.append(f"{n} {group.things} are in the cell sets '{group.name(other)}' and '{name}': they stay in "
-                           f"'{group.name(other)}', which comes first")
+            remarks.append(f"{group.counted(n, 'is', 'are')} in the cell sets '{group.name(other)}' and '{name}': "
+                           f"{'it stays' if n == 1 else 'they stay'} in '{group.name(other)}', which comes first")
         group.tags[rows[before == 0]] = number
     if group.kind == "triangle":
         inside = group.tags > 0
@@ -262,5 +263,5 @@ def _compare_sets(group: Group, remarks: list[str]) -> None:
     for name, rows in group.sets.items():
         for tag, n in sorted(Counter(group.tags[rows].tolist()).items()):
             if group.name(tag) != name:
-                remarks.append(f"{n} {group.things} of the cell set '{name}' are in '{group.name(tag)}' by their tags and stay "
-                               f"there")
+                remarks.append(f"{group.counted(n, 'of', 'of')} the cell set '{name}' {'is' if n == 1 else 'are'} in "
+                               f"'{group.name(tag)}' by {'its tag and stays' if n == 1 else 'their tags and stay'} there")
