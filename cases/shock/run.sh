@@ -2,22 +2,24 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Normal shocks in argon and nitrogen, averaged about the mid-density point: jumps and thickness.
 #
-#   cases/shock/run.sh [--ranks N] [--full] [--out FOLDER] [--tools FOLDER]
+#   cases/shock/run.sh [--ranks N] [--all | --full] [--out FOLDER] [--tools FOLDER]
 #
 #   --ranks N       MPI processes (default 2)
-#   --full          all four shocks with three seeds; without it argon at Mach 8 (omega 0.81) with one seed
+#   --all           all four shocks with one seed; without it argon at Mach 8 (omega 0.81)
+#   --full          all four with three seeds
 #   --out FOLDER    where meshes and results go (default out/ beside this script)
 #   --tools FOLDER  takes the tools from there and sets nothing up
 set -euo pipefail
 
-declare -A flags=([--full]=full)
-full=no
+declare -A flags=([--all]=all [--full]=full)
+all=no full=no
 . "$(dirname -- "${BASH_SOURCE[0]}")/../start.sh"
 python=/usr/bin/python3  # the one that sees Debian's h5py
 [ -x "$python" ] || python=python3
 
 cases="case" seeds=1
-[ $full = yes ] && cases="case argon-m8-omega-0.70 argon-m4.2 nitrogen-m20" && seeds=3
+[ $full = yes ] && all=yes seeds=3
+[ $all = yes ] && cases="case argon-m8-omega-0.70 argon-m4.2 nitrogen-m20"
 every=300
 "$python" "$root/cases/box_mesh.py" "$out/box.msh" 205 2 2 -0.56 0.26
 pamr-convert "$out/box.msh" "$out/box.hdf" --force --quiet

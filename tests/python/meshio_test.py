@@ -100,7 +100,7 @@ def test_cell_sets_are_patches_and_regions():
                           cell_data={"gmsh:physical": [[4, 5], [1] * 6]}, field_data={"all": [4, 2], "in": [5, 2]})
     mesh, told = taken(by_tags)
     assert set(mesh.patches) == {"all", "in", "boundary"}
-    assert ["1 triangles of the cell set 'all' are in 'in' by their tags" in text for text in told] == [True]
+    assert ["1 triangle of the cell set 'all' is in 'in' by its tag" in text for text in told] == [True]
 
 
 def test_cell_sets_are_masks_or_numbers_within_their_blocks():

@@ -93,19 +93,21 @@ std::vector<std::vector<LocalId>> nodes_of_patches(const mesh::DistMesh& mesh) {
   return nodes;
 }
 
-/// The worst cells with a face in each patch. Collective.
+/// The worst cells with a face in each patch, of a patch inside on either side. Collective.
 void measure_cells_at(const par::Comm& comm, const mesh::DistMesh& mesh, std::vector<PatchReport>& reports) {
+  const mesh::InnerPatches patches(mesh);
   std::vector<double> worst(reports.size(), infinity);
   for (LocalId cell = 0; cell < mesh.n_cells(); ++cell)
-    for (const auto slot : mesh.cell_to_cell[static_cast<std::size_t>(cell)])
-      if (const auto patch = patch_of(mesh, slot); patch >= 0) {
-        const double shape = geometry::mean_ratio(mesh.points(cell));
-        auto& least = worst[static_cast<std::size_t>(patch)];
-        least = std::min(least, std::isnan(shape) ? 0 : shape);
-      }
+    for (int face = 0; face < 4; ++face) {
+      const std::ptrdiff_t patch = patches.of_any({cell, face});
+      if (patch < 0 || patch >= std::ssize(reports)) continue;
+      const double shape = geometry::mean_ratio(mesh.points(cell));
+      auto& smallest = worst[static_cast<std::size_t>(patch)];
+      smallest = std::min(smallest, std::isnan(shape) ? 0 : shape);
+    }
   for (std::size_t p = 0; p < reports.size(); ++p) {
-    const double least = comm.min(worst[p]);
-    reports[p].min_mean_ratio = least < infinity ? least : 0;
+    const double smallest = comm.min(worst[p]);
+    reports[p].min_mean_ratio = smallest < infinity ? smallest : 0;
   }
 }
 

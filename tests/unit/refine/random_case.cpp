@@ -60,7 +60,7 @@ std::uint64_t n_cases_on(const par::Comm& world, std::uint64_t quick, std::uint6
 
 std::vector<std::uint64_t> seeds_alone(const par::Comm& world) {
   const auto size = static_cast<std::uint64_t>(world.size());
-  const auto n = n_cases_on(world, size == 1 ? 50 : 7, 1000);
+  const auto n = size == 1 ? n_cases(50, 1000) : n_cases(7, 40);
   const auto begin = (size - 1) * 1000;
   std::vector<std::uint64_t> seeds;
   for (auto i = static_cast<std::uint64_t>(world.rank()); i < n; i += size) seeds.push_back(begin + i);

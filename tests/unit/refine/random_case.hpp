@@ -22,8 +22,8 @@ inline std::uint64_t n_cases(std::uint64_t quick, std::uint64_t full) { return i
 /// The same, but on more than four ranks, which wait for each other on few cores, at most 40.
 std::uint64_t n_cases_on(const par::Comm& world, std::uint64_t quick, std::uint64_t full);
 
-/// Seeds of the cases that this rank goes through alone: 50 (full: 1,000) on one rank; 7 (full: 1,000, on more than
-/// four ranks 40) others on more ranks, shared out among them.
+/// Seeds of the cases that this rank goes through alone: 50 (full: 1,000) on one rank; 7 (full: 40) others on more
+/// ranks, shared out among them.
 std::vector<std::uint64_t> seeds_alone(const par::Comm& world);
 
 /// How many cases all ranks go through together: 50 on one rank, 24 on up to four, 10 on more (full: 1,000, on more
