@@ -87,7 +87,7 @@ def test_an_import_splits_what_would_flatten_cells_at_a_curved_wall():
     arguments = ["pamr-convert", "ball.msh", "--surfaces", "ball.toml", "--json", "-"]
     told = run(*arguments, "as_is.hdf", "--no-repair")
     assert told.json["wall_ears"] == 4 and "split_edges" not in told.json
-    assert "--repair splits 1 edges and 0 faces and keeps the shape of the boundary" in told.err
+    assert "--repair splits 1 edge and 0 faces and keeps the shape of the boundary" in told.err
     reports = [run(*arguments, f"on{n}.hdf", ranks=n) for n in (1, 3)]
 
     for report in reports:
