@@ -265,7 +265,7 @@ std::string below_text(const Options& options, std::int64_t n_below) {
 std::string cost_text(double floor_cost) {
   constexpr double least = 0.05;
   if (floor_cost <= least) return {};
-  return fmt::format(", at least {:.0f} % more cells than with --shape-floor {}", 100 * floor_cost,
+  return fmt::format(", some {:.0f} % more cells than with --shape-floor {}", 100 * floor_cost,
                      adapt::lower_shape_floor);
 }
 

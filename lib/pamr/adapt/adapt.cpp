@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <utility>
 
@@ -31,12 +32,13 @@ Closed close(const par::Comm& comm, TakenBack start, const Options& all_options,
       close_pass(comm, {std::move(start.mesh), refine::requests_of_flags(limited.flags), std::move(start.closure)},
                  options, timer);
   const auto n_marked = closed.report.closure.n_marked;
-  const double cost = all_options.compares_floors ? floor_cost(comm, closed, options) : 0;
+  const auto with_lower =
+      all_options.compares_floors ? cells_with_lower_floor(comm, closed, options) : std::optional<std::int64_t>();
   timer.lap("close");
   closed = split_early(comm, std::move(closed), options, timer);
   auto& report = closed.report;
   report.closure.n_marked = n_marked;
-  report.floor_cost = cost;
+  if (with_lower) report.floor_cost = floor_cost(comm, closed, *with_lower);
   std::array<std::int64_t, 2> sums{refine::count_not_split(closed.mesh.get(), closed.requests, closed.closure),
                                    limited.n_left_out};
   comm.sum_in_place(sums);

@@ -25,8 +25,7 @@ struct Report {
   std::int64_t marked_not_split = 0;  ///< cells flagged and not too deep that the result holds unsplit; always 0
   std::int64_t marked_too_deep = 0;   ///< flagged cells that stay, because they have the deepest level (`max_level`)
   curved::Level0Report level0;        ///< of the map that was made for coarse walls, if one was
-  /// Share of cells that the default shape floor adds at coarse walls to those of a floor of 0.3, at least about, if
-  /// asked for: `floor_cost`.
+  /// Share of cells that the default shape floor adds to those of a floor of 0.3, about, if asked for: `floor_cost`.
   double floor_cost = 0;
   refine::ClosureReport closure;
   refine::Certificate certificate;  ///< of the nodes that were put onto surfaces
