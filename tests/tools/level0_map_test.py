@@ -1,11 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What is said of a map of level 0 before anything is split: the short form of qualification/validation/level0_map.py."""
+import json
 import pathlib
+import subprocess
 import sys
 
 from tool_run import of_full_level, run, run_tests
 
-sys.path.append(str(pathlib.Path(__file__).resolve().parents[2] / "qualification/validation"))
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+CASES = ROOT / "cases"
+sys.path.append(str(ROOT / "qualification/validation"))
 import level0_map  # noqa: E402
 import other_bodies  # noqa: E402
 
@@ -49,8 +53,25 @@ def test_a_floor_near_what_splitting_gives_is_said_to_cost_cells():
     default = run("pamr-refine", "marked1.hdf", "-o", "level2.hdf", "--json", "report.json")
     lower = run("pamr-refine", "marked1.hdf", "-o", "lower.hdf", "--shape-floor", 0.3)
 
-    assert f"at least {100 * share:.0f} % more cells than with --shape-floor 0.3" in default.out, default.out
+    with open("report.json", encoding="utf-8") as file:
+        found = json.load(file)
+    assert abs(found["floor_cost"] - share) < 0.1 * share and found["lower_floor"] == 0.3, (found["floor_cost"], share)
+    assert f"some {100 * found['floor_cost']:.0f} % more cells than with --shape-floor 0.3" in default.out, default.out
     assert "cells than with" not in lower.out and "map of level 0" not in lower.err + default.err
+
+
+def test_a_floor_that_flat_cells_cannot_have_is_said_to_cost_cells():
+    for width, share in ((0.4, None), (2, 4), (4, 5)):  # of bricks that are 1, 5 and 10 times as wide as long
+        subprocess.run([sys.executable, "-B", CASES / "box_mesh.py", "box.msh", "10", "4", "4", "0", "1", str(width)], check=True)
+        run("pamr-convert", "box.msh", "box.hdf", "--force", "--quiet", serial=True)
+        run("pamr-mark", "box.hdf", "-o", "marked.hdf", "--box", f"0,0,0,0.2,{width / 4},{width / 4}", "--force", "--quiet", serial=True)
+        told = run("pamr-refine", "marked.hdf", "-o", "fine.hdf", "--force", "--json", "-").json
+        none = run("pamr-refine", "marked.hdf", "-o", "none.hdf", "--force", "--shape-floor", 0, "--json", "-").json
+        assert told["lower_floor"] == none["floor_cost"] == 0
+        said = run("pamr-refine", "marked.hdf", "-o", "fine.hdf", "--force").out
+        assert ("cells than with --shape-floor 0:" in said) == (share is not None), said
+        if share is not None:
+            assert told["floor_cost"] > share and abs(told["cells_out"] / none["cells_out"] - 1 - told["floor_cost"]) < 0.01 * told["floor_cost"], told
 
 
 def test_a_floor_that_costs_little_is_not_mentioned():

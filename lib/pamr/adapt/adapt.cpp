@@ -38,6 +38,7 @@ Closed close(const par::Comm& comm, TakenBack start, const Options& all_options,
   closed = split_early(comm, std::move(closed), options, timer);
   auto& report = closed.report;
   report.closure.n_marked = n_marked;
+  report.lower_floor = lower_floor(closed.mesh.get());
   if (with_lower) report.floor_cost = floor_cost(comm, closed, *with_lower);
   std::array<std::int64_t, 2> sums{refine::count_not_split(closed.mesh.get(), closed.requests, closed.closure),
                                    limited.n_left_out};

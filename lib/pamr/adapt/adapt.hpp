@@ -25,8 +25,8 @@ struct Report {
   std::int64_t marked_not_split = 0;  ///< cells flagged and not too deep that the result holds unsplit; always 0
   std::int64_t marked_too_deep = 0;   ///< flagged cells that stay, because they have the deepest level (`max_level`)
   curved::Level0Report level0;        ///< of the map that was made for coarse walls, if one was
-  /// Share of cells that the default shape floor adds to those of a floor of 0.3, about, if asked for: `floor_cost`.
-  double floor_cost = 0;
+  /// Share of cells that the default shape floor adds to those of `lower_floor`, about, if asked for.
+  double floor_cost = 0, lower_floor = 0;
   refine::ClosureReport closure;
   refine::Certificate certificate;  ///< of the nodes that were put onto surfaces
   BalanceReport balance;            ///< where the mesh was handed over, so that cells may move

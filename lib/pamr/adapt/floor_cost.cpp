@@ -52,16 +52,15 @@ std::vector<std::uint8_t> rows_near_floor(const mesh::Level0Map& map, double flo
   return is_near;
 }
 
-/// Base cells of this rank that become eight although nobody asked for it, as far as the floor may matter there.
+/// Base cells of this rank that become eight near coarse walls although nobody asked for it, as far as the floor may
+/// matter there.
 std::int64_t count_added(const Closed& closed, double floor) {
   const auto& mesh = closed.mesh.get();
   const auto& closure = closed.closure;
-  const bool has_map = mesh::has_level0(mesh);  // which knows what splitting into eight gives
-  const auto level0 = has_map ? std::make_optional<mesh::Level0View>(mesh) : std::nullopt;
-  const auto is_near = has_map ? rows_near_floor(*mesh.info.level0, floor) : std::vector<std::uint8_t>{};
+  const mesh::Level0View level0(mesh);
+  const auto is_near = rows_near_floor(*mesh.info.level0, floor);
   const auto matters = [&](LocalId c) {
-    if (!has_map) return true;
-    const auto row = level0->row_of(c);
+    const auto row = level0.row_of(c);
     return row >= 0 && is_near[at(row)] != 0;
   };
   const auto is_asked = [&](LocalId c) { return refine::asks_for(closed.requests[at(c)], refine::Request::split); };
@@ -81,20 +80,23 @@ std::int64_t count_added(const Closed& closed, double floor) {
 
 }  // namespace
 
+double lower_floor(const mesh::DistMesh& mesh) { return mesh::has_level0(mesh) ? 0.3 : 0; }
+
 std::optional<std::int64_t> cells_with_lower_floor(const par::Comm& comm, const Closed& closed,
                                                    const refine::Options& options) {
   if (options.quality_control != refine::QualityControl::removable ||
       options.shape_floor != refine::default_shape_floor)
     return {};
-  std::array<std::int64_t, 2> counts{cells_of(closed.closure), count_added(closed, options.shape_floor)};
-  comm.sum_in_place(counts);
-  const auto [cells, added] = counts;
-  if (!closed.closure.has_early &&
-      refine::max_children * static_cast<double>(added) < min_share * static_cast<double>(cells))
-    return {};
+  const auto& mesh = closed.mesh.get();
+  if (mesh::has_level0(mesh) && !closed.closure.has_early) {
+    std::array<std::int64_t, 2> counts{cells_of(closed.closure), count_added(closed, options.shape_floor)};
+    comm.sum_in_place(counts);
+    const auto [cells, added] = counts;
+    if (refine::max_children * static_cast<double>(added) < min_share * static_cast<double>(cells)) return {};
+  }
   auto lower = options;
-  lower.shape_floor = lower_shape_floor;
-  return comm.sum(cells_of(refine::close(comm, closed.mesh.get(), closed.borders, {closed.requests}, lower)));
+  lower.shape_floor = lower_floor(mesh);
+  return comm.sum(cells_of(refine::close(comm, mesh, closed.borders, {closed.requests}, lower)));
 }
 
 double floor_cost(const par::Comm& comm, const Closed& closed, std::int64_t cells_with_lower) {

@@ -83,6 +83,7 @@ nlohmann::json to_json(const Report& report) {
           {"families_rebuilt", report.closure.families_rebuilt},
           {"families_kept", report.closure.families_kept},
           {"floor_cost", report.floor_cost},
+          {"lower_floor", report.lower_floor},
           {"off_surface_nodes", report.certificate.n_off_surface},
           {"off_facets_nodes", report.certificate.n_off_facets},
           {"level0",
