@@ -5,7 +5,7 @@
 #
 #   goal_loop.sh CASE.toml LEVEL0.hdf FOLDER RANKS LEVELS MAX_CELLS CRITERION...
 #
-# LEVELS refinements at most; CRITERION are options of pamr-mark; refined meshes stay within MAX_CELLS, which may be several
+# LEVELS refinements at most; CRITERION are options of pamr-mark, of which --shape-floor is for pamr-refine too; refined meshes stay within MAX_CELLS, which may be several
 # numbers with commas between, one for each refinement (the last serves all further ones). Leaves
 # FOLDER/level<i>.hdf (the mesh with its solution) and the reports solve<i>.json, mark<i>.json, refine<i>.json.
 set -euo pipefail
@@ -13,6 +13,10 @@ set -euo pipefail
 case_file=$1 mesh=$2 out=$3 ranks=$4 levels=$5
 IFS=, read -ra max_cells <<<"$6"
 shift 6
+floor=()
+for ((i = 1; i < $#; ++i)); do
+  if [ "${!i}" = --shape-floor ]; then floor=(--shape-floor "${@:i+1:1}"); fi
+done
 mkdir -p "$out"
 . "$(dirname -- "${BASH_SOURCE[0]}")/../scripts/mpi_environment.sh"
 export OMPI_MCA_orte_execute_quiet=1 # as in start.sh
@@ -33,7 +37,7 @@ for ((level = 0; ; ++level)); do
     --max-cells "${max_cells[level]:-${max_cells[-1]}}"
   if grep -q '"marked": *0,' "$out/mark$level.json" || grep -q '"marked":0,' "$out/mark$level.json"; then break; fi
   mesh=$out/refined.hdf
-  on_ranks "refine$((level + 1))" pamr-refine "$out/marked.hdf" -o "$mesh" --force
+  on_ranks "refine$((level + 1))" pamr-refine "$out/marked.hdf" -o "$mesh" --force "${floor[@]}"
   start=(--start potential)
 done
 rm -f "$out/marked.hdf"
