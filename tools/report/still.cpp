@@ -220,18 +220,20 @@ std::string png_of(const Canvas& canvas) {
 std::string still_picture(const std::vector<ReportedMesh>& meshes, const FirstView& first) {
   const auto names = patch_names(meshes);
   const auto shown = first_meshes(meshes);
+  const bool is_cut = first.show == "y";
   std::vector<Triangles> panels;
   std::vector<Vec3> points;
   for (const auto mesh : shown) {
     panels.emplace_back(meshes[mesh].view, first, names);
     for (const auto& triangle : panels.back().triangle)
-      points.insert(points.end(), triangle.corner.begin(), triangle.corner.end());
+      for (const auto p : triangle.corner)
+        if (!is_cut || p[cut_axis] >= 0) points.push_back(p);
   }
   Canvas canvas;
   const int columns = canvas.columns / static_cast<int>(panels.size());
   Camera camera(static_cast<double>(columns) / canvas.rows);
   camera.fit(points);
-  const double cut = first.show == "y" ? -1e-9 * camera.distance : -std::numeric_limits<double>::infinity();
+  const double cut = is_cut ? -1e-9 * camera.distance : -std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < panels.size(); ++i)
     for (const auto& triangle : panels[i].triangle)
       draw(canvas, triangle, camera, static_cast<int>(i) * columns, columns, cut);

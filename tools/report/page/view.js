@@ -312,13 +312,16 @@ class Picture {
   }
 
   // Calls `take` with the coordinates of the corners of what is drawn of the meshes; of very many, with some of them.
-  forCorners(take) {
+  forCorners(toward, take) {
     for (const scene of this.scenes)
       for (const part of [scene.boundary, scene.section]) {
         if (!part) continue;
         const {position, place} = part.geometry.attributes, step = Math.ceil(position.count / MANY_CORNERS);
-        for (let i = 0; i < position.count; i += step)
-          if (place.array[i] !== HIDDEN) take(position.getX(i), position.getY(i), position.getZ(i));
+        const d = part === scene.boundary ? scene.axis : null, sign = d !== null && toward.getComponent(d) < 0 ? -1 : 1;
+        for (let i = 0; i < position.count; i += step) {
+          if (place.array[i] === HIDDEN || (d !== null && sign * (position.getComponent(i, d) - scene.height) > 0)) continue;
+          take(position.getX(i), position.getY(i), position.getZ(i));
+        }
       }
   }
 
@@ -328,7 +331,7 @@ class Picture {
     const right = new THREE.Vector3(0, 0, 1).cross(toward).normalize(), up = toward.clone().cross(right);
     const axes = [right, up, toward], low = [Infinity, Infinity, Infinity], high = low.map((x) => -x);
     const along = ({x, y, z}, a, b, c) => x * a + y * b + z * c;
-    this.forCorners((...p) => axes.forEach((axis, d) => {
+    this.forCorners(toward, (...p) => axes.forEach((axis, d) => {
       const place = along(axis, ...p);
       low[d] = Math.min(low[d], place);
       high[d] = Math.max(high[d], place);
@@ -338,7 +341,7 @@ class Picture {
     const aspect = panel && clientHeight ? panel.width * clientWidth / (panel.height * clientHeight) : 1;
     const vertical = Math.tan(FIELD_OF_VIEW * Math.PI / 360) / Math.min(aspect, 1), horizontal = vertical * aspect;
     let distance = 0;
-    this.forCorners((...p) => {
+    this.forCorners(toward, (...p) => {
       const [x, y, z] = axes.map((axis, d) => along(axis, ...p) - middle[d]);
       distance = Math.max(distance, z + 1.06 * Math.max(Math.abs(x) / horizontal, Math.abs(y) / vertical));
     });
