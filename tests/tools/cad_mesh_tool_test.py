@@ -242,10 +242,10 @@ def test_a_face_beside_a_solid_is_named():
 
 def test_default_sizes_are_bound_by_thickness_and_longer_ones_are_warned_of():
     head, _, rest = entities(CUBE.read_text())
-    pathlib.Path("plate.step").write_text(head + box_lines((3, 3, .25), (0, 0, 0)) + rest)
+    pathlib.Path("plate.step").write_text(head + box_lines((1.2, 1.2, .25), (0, 0, 0)) + rest)
     out = run("pamr-mesh", "plate.step", "-o", "plate.hdf", "--json", "plate.json", serial=True)
     report = json.loads(pathlib.Path("plate.json").read_text())
-    assert abs(report["volume"] - 2.25) < 1e-12 and "warning" not in out.err and "of the body's 2.25 (+0.0 %)" in out.out, out.err + out.out
+    assert abs(report["volume"] - 0.36) < 1e-12 and "warning" not in out.err and "of the body's 0.36 (+0.0 %)" in out.out, out.err + out.out
     pathlib.Path("small.step").write_text(head + box_lines((1, 1, .25), (0, 0, 0)) + rest)
     warned = run("pamr-mesh", "small.step", "-o", "long.hdf", "--size", "0.5", serial=True)
     assert "the body is 0.25 thick near [" in warned.err.lower() and "--size 0.25 or less" in warned.err, warned.err

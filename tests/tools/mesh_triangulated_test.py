@@ -196,7 +196,7 @@ def test_cuts_along_sharp_edges_are_refused():
 
 
 def test_a_body_that_is_thinner_than_its_edges_is_warned_of_by_place():
-    corners = np.array([[x, y, z] for z in (-.125, .125) for x, y in ((1, 1), (-1, 1), (-1, -1), (1, -1))])
+    corners = np.array([[x, y, z] for z in (-.125, .125) for x, y in ((.6, .6), (-.6, .6), (-.6, -.6), (.6, -.6))])
     sides = [(0, 2, 1), (0, 3, 2), (4, 5, 6), (4, 6, 7)]
     for i, j in ((0, 1), (1, 2), (2, 3), (3, 0)):
         sides += [(i, j, 4 + j), (i, 4 + j, 4 + i)]
