@@ -17,7 +17,7 @@ full=no
 steps=600 levels=1
 [ $full = yes ] && steps=4000 levels=2
 case_file=$out/case.toml
-sed -e "s|\.\./species.toml|$case_folder/../species.toml|" -e "s/^sampling = .*/sampling = $steps/" \
+sed -e "s/^sampling = .*/sampling = $steps/" \
   -e "s/^block = .*/block = $((steps / 20))/" "$case_folder/case.toml" >"$case_file"
 on_ranks pamr-mesh --shape sphere-in-box -o "$out/level0.hdf" --force
 for ((level = 0; level <= levels; ++level)); do

@@ -24,6 +24,11 @@ double Gas::mean_degrees() const {
 
 double Gas::heat_ratio() const { return (mean_degrees() + 2) / mean_degrees(); }
 
+bool lacks_vibration(const Gas& gas, double temperature) {
+  return temperature > 2500 &&
+         std::any_of(gas.species.begin(), gas.species.end(), [](const Species& s) { return s.rotational_degrees > 0; });
+}
+
 void prepare(Gas& gas) {
   if (gas.species.empty() || gas.species.size() != gas.fraction.size())
     throw Error("expected a gas of at least one species with a fraction for each");

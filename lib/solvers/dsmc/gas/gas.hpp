@@ -64,6 +64,13 @@ struct Gas {
   double heat_ratio() const;    ///< gamma = (degrees + 2) / degrees
 };
 
+/// Whether a temperature (K) is one at which the vibration of molecules and chemistry, which are not modeled, matter: the
+/// gas has molecules of two or more atoms, and it is above 2,500 K. Local.
+bool lacks_vibration(const Gas& gas, double temperature);
+/// What the tool says of that.
+inline constexpr const char* without_vibration =
+    "above 2,500 K molecules vibrate and react, which is not modeled: the real gas is cooler and has more atoms";
+
 /// Fills the table of pairs; diameters, exponents and reference temperatures of a pair are the means of its molecules.
 /// Throws `Error` for values that make no sense.
 void prepare(Gas& gas);

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <map>
@@ -11,6 +12,8 @@
 
 #include "pamr/base/error.hpp"
 #include "pamr/base/read_file.hpp"
+#include "solvers/dsmc/gas/gases.hpp"
+#include "solvers/dsmc/gas/standard_atmosphere.hpp"
 
 namespace pamr::dsmc {
 
@@ -78,6 +81,24 @@ std::vector<double> read_fractions(const TomlTable& table, const Gas& gas) {
   return fraction;
 }
 
+/// Of the species of the standard atmosphere at an altitude, in the order of the gas's species, which have to have all of
+/// it.
+std::vector<double> fractions_of_air(const TomlTable& stream, double altitude, const Gas& gas) {
+  const auto air = standard_air(altitude);
+  std::vector<double> fraction(gas.species.size(), 0.0);
+  for (std::size_t a = 0; a < air_species.size(); ++a) {
+    const auto found = std::find_if(gas.species.begin(), gas.species.end(),
+                                    [&](const Species& s) { return s.name == air_species[a]; });
+    if (found == gas.species.end())
+      stream.fail(
+          fmt::format("expected {} among the fractions of [gas] (0 will do), no fractions there, or fractions "
+                      "beside altitude, found none of these",
+                      air_species[a]));
+    fraction[static_cast<std::size_t>(found - gas.species.begin())] = air.density[a] / air.total();
+  }
+  return fraction;
+}
+
 /// Loads on walls are added up in units of the first species' momentum.
 void require_masses(const TomlTable& fractions, const Gas& gas) {
   constexpr double max_ratio = 1e4;
@@ -110,11 +131,27 @@ Rotation read_rotation(const TomlTable& table) {
   return rotation;
 }
 
+/// [stream.free], if it has an altitude.
+std::optional<TomlTable> free_stream_of_air(const TomlTable& file) {
+  const auto streams = file.find_table("stream");
+  auto free = streams ? streams->find_table("free") : std::nullopt;
+  return free && free->has("altitude") ? free : std::nullopt;
+}
+
 Stream read_stream(const TomlTable& table, const Gas& gas) {
   Stream s;
   s.name = table.name();
-  s.density = number_or_none(table, "density", {1, 1e30});
-  s.temperature = table.number("temperature", temperatures);
+  const auto altitude = table.find_number("altitude", altitudes);
+  if (altitude) {
+    for (const auto* key : {"density", "temperature"})
+      if (table.has(key)) table.refuse(key, "no such key beside altitude, which sets it");
+    const auto air = standard_air(*altitude);
+    s.density = air.total();
+    s.temperature = air.temperature;
+  } else {
+    s.density = number_or_none(table, "density", {1, 1e30});
+    s.temperature = table.number("temperature", temperatures);
+  }
   s.rotational_temperature = table.number_or("rotational_temperature", s.temperature, {0, 1e6});
   if (table.has("speed")) {
     const double speed = number_or_none(table, "speed", speeds);
@@ -123,8 +160,10 @@ Stream read_stream(const TomlTable& table, const Gas& gas) {
   } else if (table.has("velocity")) {
     s.velocity = read_velocity(table, "velocity");
   }
-  const auto fractions = table.find_table("fractions");
-  s.fraction = fractions ? read_fractions(*fractions, gas) : gas.fraction;
+  if (const auto fractions = table.find_table("fractions"))
+    s.fraction = read_fractions(*fractions, gas);
+  else
+    s.fraction = altitude ? fractions_of_air(table, *altitude, gas) : gas.fraction;
   return s;
 }
 
@@ -157,15 +196,25 @@ Vec3 read_place(const TomlTable& table, std::string_view key) {
 Gas read_gas(const TomlTable& file, const std::string& where) {
   Gas gas;
   SpeciesByName known;
-  const auto table = file.table("gas");
-  if (table.has("species_file")) read_species_file(table, where, known);
+  read_species(parse_toml(known_gases(), "gases.toml").table("species"), known);
+  const auto table = file.find_table("gas");
+  if (table && table->has("species_file")) read_species_file(*table, where, known);
   if (const auto species = file.find_table("species")) read_species(*species, known);
-  const auto fractions = table.table("fractions");
-  for (const auto& [name, s] : known)
-    if (fractions.has(name)) gas.species.push_back(s);
-  gas.fraction = read_fractions(fractions, gas);
-  if (const auto rotation = table.find_table("rotation")) gas.rotation = read_rotation(*rotation);
-  require_masses(fractions, gas);
+  const auto air = free_stream_of_air(file);
+  if (!air || (table && table->has("fractions"))) {
+    const auto fractions = file.table("gas").table("fractions");
+    for (const auto& [name, s] : known)
+      if (fractions.has(name)) gas.species.push_back(s);
+    gas.fraction = read_fractions(fractions, gas);
+    require_masses(fractions, gas);
+  } else {
+    for (const auto& [name, s] : known)
+      if (std::find(air_species.begin(), air_species.end(), name) != air_species.end()) gas.species.push_back(s);
+    gas.fraction = fractions_of_air(*air, air->number("altitude", altitudes), gas);
+    require_masses(*air, gas);
+  }
+  if (table)
+    if (const auto rotation = table->find_table("rotation")) gas.rotation = read_rotation(*rotation);
   prepare(gas);
   return gas;
 }

@@ -23,8 +23,9 @@ Vec3 read_velocity(const TomlTable& table, std::string_view key);
 /// A point of space. Throws `Error` with file and line. Local.
 Vec3 read_place(const TomlTable& table, std::string_view key);
 
-/// The gas of [gas] and [species] in a case file; more species may come from a file beside the case, which `where`
-/// names. Throws `Error` with file and line. Local.
+/// The gas of [gas] and [species] in a case file. Species that it does not describe come from a file beside the case, which
+/// `where` names, and else from `known_gases`. Without fractions it is the air of [stream.free], if that has an altitude.
+/// Throws `Error` with file and line. Local.
 Gas read_gas(const TomlTable& file, const std::string& where);
 
 /// [stream], the free stream first. Throws `Error` when there is none. Local.

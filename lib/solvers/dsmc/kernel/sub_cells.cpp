@@ -14,7 +14,7 @@ using geometry::squared_norm;
 namespace {
 
 constexpr double particles_a_box = 2;
-constexpr double max_boxes = 64;  ///< along a side
+constexpr double max_sub_cells = 64;  ///< along a side
 
 struct Bounds {
   double low = 0, high = 0;
@@ -44,7 +44,7 @@ bool SubCells::start(const Particles& particles, std::uint32_t begin, std::uint3
     longest = std::max(longest, bounds[d].high - bounds[d].low);
   }
   if (!(longest > 0)) return false;
-  const double side = std::max(std::cbrt(particles_a_box * volume / n), longest / max_boxes);
+  const double side = std::max(std::cbrt(particles_a_box * volume / n), longest / max_sub_cells);
   box_.assign(n, 0);
   std::uint32_t stride = 1;
   for (std::size_t d = 0; d < 3; ++d) {
