@@ -228,7 +228,8 @@ cli::ExitCode run_case(cli::Session& session, const Options& o) {
     for (const auto& warning : warnings_of_lines(c, text)) session.warn(warning);
   });
   outcome.n_particles = computation->flow().n_particles();
-  for (const auto& warning : warnings_of(outcome.resolution)) session.warn(warning);
+  for (const auto& warning : warnings_of(outcome.resolution, c.collisions.enabled ? &c.gas : nullptr))
+    session.warn(warning);
   for (const auto& warning : warnings_of(computation->averaging())) session.warn(warning);
   session.write_report(report_of(*computation, outcome));
   show_fluxes(session, *computation);

@@ -210,6 +210,26 @@ def test_a_species_file_of_sparta_is_called_so():
         refuses("pamr-dsmc", case, "--mesh", kuhn_cube("cube.hdf", 2), "-o", "x.hdf", says=(name, "SPARTA", "[species.NAME]"), creates="x.hdf")
 
 
+def test_gases_are_found_by_name_and_air_by_its_altitude_and_hot_molecules_are_warned_about():
+    mesh = kuhn_cube("cube.hdf", 2)
+    known = CUBE.replace(SPECIES, "")
+    cold = compute(write("own.toml", CUBE), mesh, "own.hdf", "--quiet")
+    compute(write("known.toml", known), mesh, "known.hdf", "--quiet")
+    assert same_bytes("own.hdf", "known.hdf") and "2,500 K" not in cold.err, cold.err
+
+    air = known.replace("fractions = { N2 = 1.0 }\n", "").replace("step = 5e-5", "step = 1e-5").replace(
+        "density = 1e20\ntemperature = 300.0\nspeed = 400.0", "altitude = 100e3\nspeed = 7500.0")
+    hot = compute(write("air.toml", air), mesh, "air.hdf", "--json", "-")
+    assert [s["name"] for s in hot.json["species"]] == ["Ar", "He", "N2", "O", "O2"], hot.json["species"]
+    assert "free stream: n 1.18854e+19 1/m3, T 195.081 K" in hot.err, hot.err
+    assert "the total temperature of the free stream is 28" in hot.err and "the hottest cell has " in hot.err, hot.err
+    assert hot.err.count("above 2,500 K molecules vibrate and react") == 2 and hot.json["quality"]["max_temperature"] > 2500, hot.err
+    free = compute(write("free.toml", air + "[collisions]\nenabled = false\n"), mesh, "free.hdf", "--quiet")
+    assert "2,500 K" not in free.err, free.err
+    refuses("pamr-dsmc", write("bad.toml", air.replace("100e3", "100")), "--mesh", mesh, "-o", "x.hdf",
+            says=("bad.toml:", "altitude", "80000 and 200000"), creates="x.hdf")
+
+
 def stopped(command, number, before, checkpoint):
     """Exit code and messages of a run that gets this signal once its checkpoint is there; `before`: what SIGHUP does first."""
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,

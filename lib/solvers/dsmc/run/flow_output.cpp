@@ -56,7 +56,7 @@ CellResolution write_output(Computation& computation, const OutputFiles& files, 
   const auto& flow = computation.flow();
   const auto& setup = flow.setup();
   auto cells = averages_of(computation);
-  const auto resolution = assess_resolution(comm, cells, c.stream.front().density);
+  const auto resolution = assess_resolution(comm, cells, c.stream.front().density, flow.cells.steps);
   auto fields = to_fields(std::move(cells), setup.gas);
   const auto walls = walls_of(computation);
   if (!files.lines.empty()) {

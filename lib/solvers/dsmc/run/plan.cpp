@@ -56,6 +56,8 @@ Plan make_plan(const par::Comm& comm, const Case& c, const Setup& setup, const m
   const double fast = speed + most_probable_speed(free.temperature, mean.mass);
   plan.mach = speed / std::sqrt(gas.heat_ratio() * boltzmann * free.temperature / mean.mass);
   plan.speed_ratio = speed / most_probable_speed(free.temperature, mean.mass);
+  const double total = free.temperature * (1 + 0.5 * (gas.heat_ratio() - 1) * plan.mach * plan.mach);
+  if (c.collisions.enabled && lacks_vibration(gas, total)) plan.hot_total = total;
   if (free.density > 0) {
     plan.mean_free_path = mean_free_path(mean, free.density, free.temperature);
     plan.collision_time = 1 / collision_frequency(mean, free.density, free.temperature);
@@ -105,6 +107,9 @@ std::vector<std::string> warnings_of(const Plan& plan) {
   if (plan.particles_per_cell < 5)
     warnings.push_back(fmt::format("{:.2g} particles a cell in the free stream: below 5 collisions are poorly resolved",
                                    plan.particles_per_cell));
+  if (plan.hot_total)
+    warnings.push_back(
+        fmt::format("the total temperature of the free stream is {:.0f} K: {}", *plan.hot_total, without_vibration));
   return warnings;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstdint>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
@@ -20,12 +21,14 @@ struct CellResolution {
   double all = 0;                 ///< these four together
   double cells_of_dense_gas = 0;  ///< cells denser than the free stream
   double few_in_dense_gas = 0;    ///< of these: fewer than 5 particles on average
+  double max_temperature = 0;     ///< K, of cells with 100 samples or more; 0 if there are none
 };
 
-/// `free_density`: of the free stream, 1/m3. Collective.
-CellResolution assess_resolution(const par::Comm& comm, const CellFlow& flow, double free_density);
+/// `free_density`: of the free stream, 1/m3; `n_steps` that were averaged. Collective.
+CellResolution assess_resolution(const par::Comm& comm, const CellFlow& flow, double free_density,
+                                 std::int64_t n_steps);
 nlohmann::json to_json(const CellResolution& resolution);
-/// What a user should be warned about.
-std::vector<std::string> warnings_of(const CellResolution& resolution);
+/// What a user should be warned about. `gas` is null where molecules do not collide. Local.
+std::vector<std::string> warnings_of(const CellResolution& resolution, const Gas* gas);
 
 }  // namespace pamr::dsmc
