@@ -76,6 +76,40 @@ TEST(Drifts, IsRareInNoiseAndSureInARise) {
   EXPECT_FALSE(drifts(fit_line(std::vector<double>{1, 1.001, 1.002, 1.003})));  // sure, and unimportant
 }
 
+/// Part of runs in which drag or heat, which scatter by chance, drift after one of the groups from the tenth on. A group is
+/// eight blocks, each of which remembers this part of the one before.
+double restarted(int n_groups, double memory) {
+  const int n_runs = 2000;
+  const double fresh = std::sqrt(1 - memory * memory);
+  int n_restarted = 0;
+  for (int run = 1; run <= n_runs; ++run) {
+    Random random(static_cast<std::uint64_t>(run), Purpose::seed, 1, 0);
+    auto block = random.normal_pair();
+    std::vector<double> drag, heat;
+    bool drifted = false;
+    while (drag.size() < static_cast<std::size_t>(n_groups) && !drifted) {
+      drag.push_back(1);
+      heat.push_back(1);
+      for (int k = 0; k < 8; ++k) {
+        const auto next = random.normal_pair();
+        block = {memory * block.a + fresh * next.a, memory * block.b + fresh * next.b};
+        drag.back() += 0.1 * block.a;
+        heat.back() += 0.1 * block.b;
+      }
+      drifted = drag.size() >= 10 && (drifts(fit_line(drag)) || drifts(fit_line(heat)));
+    }
+    n_restarted += drifted ? 1 : 0;
+  }
+  return 1.0 * n_restarted / n_runs;
+}
+
+TEST(Drifts, RestartsTheStatedPartOfRunsByChanceThoughItIsAskedAfterEveryGroup) {
+  EXPECT_NEAR(restarted(20, 0), 0.023, 0.01);
+  EXPECT_NEAR(restarted(100, 0), 0.033, 0.012);
+  EXPECT_NEAR(restarted(20, std::exp(-0.5)), 0.05, 0.015);
+  EXPECT_NEAR(restarted(100, std::exp(-0.5)), 0.08, 0.02);
+}
+
 /// Averages with eleven blocks whose load on wall `zmin` falls by a part of its mean from each to the next; a step ends
 /// the twelfth, without any load.
 class FallingAverages : public ::testing::Test {
