@@ -12,6 +12,7 @@
 #include "solvers/poisson_boltzmann/goals/error_bars.hpp"
 #include "solvers/poisson_boltzmann/goals/quadratic_analysis.hpp"
 #include "solvers/poisson_boltzmann/goals/quadratic_goals.hpp"
+#include "solvers/poisson_boltzmann/goals/shape_change.hpp"
 #include "solvers/poisson_boltzmann/goals/shape_error.hpp"
 
 namespace pamr::poisson_boltzmann {
@@ -93,8 +94,10 @@ DualError error_by_dual(const par::Comm& comm, const State& state, const GoalFun
     error.correction += of_energy.correction;
     for (std::size_t c = 0; c < error.share.size(); ++c) error.share[c] += of_energy.share[c];
   }
-  error.correction += functional.remainder + shape_error(comm, state, functional, gradient);
-  const double bar = bar_over_shares * par::reproducible_sum(comm, error.share);
+  const auto shape = shape_error(comm, state, functional, {w, gradient, recovered});
+  error.correction += functional.remainder + shape.correction;
+  const double bar =
+      bar_over_shares * par::reproducible_sum(comm, error.share) + shape.rest + charge_at_edges(comm, state.problem, w);
   return {std::move(error.share), error.correction, bar};
 }
 

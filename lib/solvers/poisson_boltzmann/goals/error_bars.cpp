@@ -19,20 +19,12 @@ bool holds_value(const Boundary& b) {
 
 std::string why_not_of_second_order(const Problem& problem, const std::vector<bool>& has_facets) {
   const auto& info = problem.domain.mesh->info;
-  for (std::size_t p = 0; p < info.patches.size(); ++p) {
-    const auto* surface = info.surface_of(static_cast<int>(p));
-    const auto* b = problem.input.find_boundary(info.patches[p].name);
+  for (std::size_t p = 0; p < info.patches.size(); ++p)
     if (has_facets[p])
       return fmt::format(
           "it would not contain the facets of patch {}, which has no surface and is not flat: describe its surface, or "
           "make each flat side a patch",
           info.patches[p].name);
-    if (surface == nullptr || surface->is_flat() || !(problem.domain.patches[p].area > 0)) continue;
-    if (b->condition == Condition::charge || b->condition == Condition::symmetry)
-      return fmt::format(
-          "the charge of the curved patch {} is given; what the faces miss of its surface is not estimated",
-          info.patches[p].name);
-  }
   return "";
 }
 

@@ -19,9 +19,7 @@ inline constexpr double largest_ratio_of_charge_bar = 0.2;
 std::vector<bool> find_facets(const par::Comm& comm, const Problem& problem);
 
 /// Why the error bar of a goal means nothing, for the user; empty if it means something. Local.
-/// - Second order: a charge is given on a curved patch. What the curved faces miss of a surface is derived for given
-///   potentials only, and the flux of such a wall enters the solution everywhere. Curved mirrors are walls of charge 0.
-///   Or a patch is one of `has_facets`.
+/// - Second order: a patch is one of `has_facets`.
 /// - First order: the cells are too high for a layer, or a force of the volume form is computed with Gauss points.
 std::string why_no_error_bar(const Problem& problem, const std::vector<Electrode>& electrodes, const Layers& layers,
                              const std::vector<bool>& has_facets, const Goal& goal);

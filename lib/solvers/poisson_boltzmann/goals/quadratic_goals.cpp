@@ -6,9 +6,9 @@
 #include <cmath>
 
 #include "pamr/base/index.hpp"
-#include "pamr/geometry/surface.hpp"
 #include "solvers/poisson_boltzmann/goals/cubic_correction.hpp"
 #include "solvers/poisson_boltzmann/goals/quadratic_analysis.hpp"
+#include "solvers/poisson_boltzmann/goals/shape_change.hpp"
 
 namespace pamr::poisson_boltzmann {
 
@@ -241,27 +241,6 @@ std::vector<double> quadratic_energy_derivative(const par::Comm& comm, const Sta
   return result;
 }
 
-namespace {
-
-/// Change of a functional where the surface moves into the liquid, for a unit of distance and area: by the slope of psi
-/// and of the dual solution along the normal into the liquid.
-struct ShapeDerivative {
-  const Problem& problem;
-  const GoalFunctional& functional;
-  double weight = 0;                 ///< of the dual solution on the patch
-  double u = 0, psi0 = 0, base = 0;  ///< on the surface
-
-  double operator()(double slope, double dual_slope) const {
-    if (functional.goal.kind == Goal::Kind::charge)
-      return slope * dual_slope - weight * problem.term.pressure_slope(u, psi0);
-    if (functional.goal.kind == Goal::Kind::energy)
-      return 0.5 * (slope * slope + base * base) - problem.term.pressure(u, psi0);
-    return -slope * dual_slope;
-  }
-};
-
-}  // namespace
-
 double quadratic_shape_error(const par::Comm& comm, const State& state, const GoalFunctional& functional,
                              CubicGoalError& dual) {
   const auto& problem = state.problem;
@@ -271,40 +250,53 @@ double quadratic_shape_error(const par::Comm& comm, const State& state, const Go
   std::array<par::ExactSum, 1> sum;
   for (std::size_t f = 0; f < domain.faces.size(); ++f) {
     const auto& face = domain.faces[f];
-    const auto* b = problem.input.find_boundary(domain.mesh->info.patches[at(face.patch)].name);
+    const auto& b = *problem.input.find_boundary(domain.mesh->info.patches[at(face.patch)].name);
     const auto* surface = domain.mesh->info.surface_of(face.patch);
-    if (b->condition != Condition::potential || surface == nullptr || surface->is_flat()) continue;
+    if (!is_curved_wall(b, surface)) continue;
     const auto c = at(face.cell);
     const auto position = elements.face_points(domain, f);
-    const auto value = elements.values(c, state.u);
+    const auto of_second = elements.values(c, state.u);
     const auto error = functions.values(c, state.cubic->error()), all = functions.values(c, dual.dual);
-    OfCubicCell<double> added = all;  // what third order adds to the dual solution
-    for (std::size_t k = 0; k < 10; ++k) added[k] = 0;
+    auto value = error, added = all;  // what third order adds to the dual solution
+    for (std::size_t k = 0; k < 10; ++k) {
+      value[k] += of_second[k];
+      added[k] = 0;
+    }
     const double rest_u = state.cubic->decay()[c], rest_w = dual.decay[c];
-    const double height = 3 * geometry::volume(domain.points(c)) / face.area;
+    const double size = std::sqrt(face.area);
     double of_face = 0, spread = 0, squares = 0;
+    GapWave wave;
     for (const auto& point : face_points()) {
       const auto placed = place(position, point);
-      const auto on_mesh = (1 / domain.scale) * placed.position;
-      const double distance = -domain.scale * dot(surface->project(on_mesh) - on_mesh, placed.normal);
       const auto behind = cubic_behind(domain, f, point);
+      const auto shift = wall_shift(domain, b, *surface, {placed.position, placed.normal}, size);
       const double z = placed.position.z, psi0 = problem.split_potential(z), base = problem.split_slope(z);
-      const double weight =
-          functional.goal.kind == Goal::Kind::charge ? functional.fixed[at(elements.face_to_node[f][0])] : 0;
-      const ShapeDerivative change{problem, functional, weight, b->value - psi0, psi0, base};
-      const double last_slope = -dot(gradient_of(behind, error), placed.normal);
-      const double slope = last_slope - dot(gradient_of(behind.placed, value) + Vec3{0, 0, base}, placed.normal);
-      const double last_dual = -dot(gradient_of(behind, added), placed.normal);
-      const double dual_slope = -dot(gradient_of(behind, all), placed.normal);
-      const double here = change(slope, dual_slope), amount = placed.area * distance;
-      of_face += amount * here;
-      spread += std::abs(amount) * (std::abs(change(slope + rest_u * last_slope, dual_slope) - here) +
-                                    std::abs(change(slope, dual_slope + rest_w * last_dual) - here));
-      squares += amount * distance / height * here;
+      const double u = b.condition == Condition::potential ? b.value - psi0 : interpolated(behind.value, value);
+      const WallTraces traces{placed.normal,
+                              gradient_of(behind, value) + Vec3{0, 0, base},
+                              u,
+                              psi0,
+                              base,
+                              gradient_of(behind, all),
+                              interpolated(behind.value, all)};
+      auto further_u = traces, further_w = traces;
+      further_u.gradient += rest_u * gradient_of(behind, error);
+      if (b.condition != Condition::potential) further_u.u += rest_u * interpolated(behind.value, error);
+      further_w.dual_gradient += rest_w * gradient_of(behind, added);
+      further_w.w += rest_w * interpolated(behind.value, added);
+      const auto change = [&](const WallTraces& at_point) {
+        return placed.area * shape_change(problem, functional.goal, b, at_point, shift);
+      };
+      const double here = change(traces);
+      of_face += here;
+      spread += std::abs(change(further_u) - here) + std::abs(change(further_w) - here);
+      squares += shift.distance * here;
+      wave.add(domain, *surface, {placed.position, placed.normal, placed.area}, shift.distance);
     }
     sum[0].add(of_face);
-    dual.rest.add(c, squares, spread);
+    dual.rest.add(c, wave.number() * squares, spread);
   }
+  dual.rest.unsolved += charge_at_edges(comm, problem, dual.dual);
   return par::reproducible_sums(comm, sum)[0];
 }
 

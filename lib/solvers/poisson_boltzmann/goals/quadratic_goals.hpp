@@ -30,8 +30,8 @@ std::vector<double> quadratic_midplane_remainder(const State& state, int patch);
 std::vector<double> quadratic_energy_derivative(const par::Comm& comm, const State& state);
 
 /// As `shape_error`, for what curved faces miss of their surfaces, with the gradients of third order. What is left is
-/// added to `dual.rest`: the errors of these gradients, and the square of the distance over the height of the cell.
-/// Collective: an exact sum.
+/// added to `dual.rest`: the errors of these gradients, the square of the distance times the wave number of the gap, and
+/// `charge_at_edges`. Collective: an exact sum.
 double quadratic_shape_error(const par::Comm& comm, const State& state, const GoalFunctional& functional,
                              CubicGoalError& dual);
 

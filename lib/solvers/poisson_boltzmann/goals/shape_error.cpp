@@ -2,10 +2,11 @@
 #include "solvers/poisson_boltzmann/goals/shape_error.hpp"
 
 #include <array>
+#include <cmath>
 
 #include "pamr/base/index.hpp"
-#include "pamr/geometry/surface.hpp"
 #include "solvers/poisson_boltzmann/fem/quadrature.hpp"
+#include "solvers/poisson_boltzmann/goals/shape_change.hpp"
 #include "solvers/poisson_boltzmann/goals/wall_stress.hpp"
 
 namespace pamr::poisson_boltzmann {
@@ -14,53 +15,69 @@ using geometry::Vec3;
 
 namespace {
 
-/// Mean distance of the surface from a face, positive where the surface lies on the side of the liquid. Debye lengths.
-double mean_distance(const Domain& domain, const BoundaryFace& face, const geometry::Surface& surface) {
-  double result = 0;
-  for (const auto& point : triangle_points) {
-    Vec3 on_face;
-    for (std::size_t k = 0; k < 3; ++k)
-      on_face += point.weight_of_corner[k] * domain.mesh->node_position[at(face.node[k])];
-    result -= point.weight * domain.scale * dot(surface.project(on_face) - on_face, face.normal);
+Vec3 mean_of(std::span<const Vec3> at_nodes, const BoundaryFace& face) {
+  Vec3 sum;
+  for (const auto node : face.node) sum += (1.0 / 3) * at_nodes[at(node)];
+  return sum;
+}
+
+/// The gradients at a face, by nodal reactions where these are known; values stay 0.
+WallTraces traces_at(const State& state, const BoundaryFace& face, const Boundary& b, Vec3 dual_gradient) {
+  const auto& problem = state.problem;
+  WallTraces traces;
+  traces.normal = face.normal;
+  traces.dual_gradient = dual_gradient;
+  traces.base = problem.split_slope(face.node);
+  if (b.condition != Condition::potential) {
+    traces.gradient = state.cell_gradient[at(face.cell)] + Vec3{0, 0, traces.base};
+    return traces;
   }
-  return result;
+  for (const auto node : face.node)
+    traces.gradient += reaction_charge(problem, state.reaction, face.normal, at(node)).value_or(0) / 3 * face.normal;
+  return traces;
 }
 
 }  // namespace
 
-double shape_error(const par::Comm& comm, const State& state, const GoalFunctional& functional,
-                   std::span<const Vec3> gradient) {
+ShapeError shape_error(const par::Comm& comm, const State& state, const GoalFunctional& functional,
+                       const DualGradients& dual) {
   const auto& problem = state.problem;
   const auto& domain = problem.domain;
-  const auto& patches = domain.mesh->info.patches;
-  std::array<par::ExactSum, 1> sum;
+  std::array<par::ExactSum, 3> sums;
   for (const auto& face : domain.faces) {
-    const auto* b = problem.input.find_boundary(patches[at(face.patch)].name);
+    const auto& b = *problem.input.find_boundary(domain.mesh->info.patches[at(face.patch)].name);
     const auto* surface = domain.mesh->info.surface_of(face.patch);
-    if (b->condition != Condition::potential || surface == nullptr || surface->is_flat()) continue;
-    const double distance = mean_distance(domain, face, *surface);
-    // dpsi/dn, n out of the body into the liquid, and what else the functional has there; means of the corners.
-    double slope = 0, source = 0, pressure = 0, weight = 0;
-    for (const auto node : face.node) {
-      const auto i = at(node);
-      slope -= reaction_charge(problem, state.reaction, face.normal, i).value_or(0) / 3;
-      source += problem.term.pressure_slope(state.u[i], problem.conditions.psi0[i]) / 3;
-      pressure += problem.term.pressure(state.u[i], problem.conditions.psi0[i]) / 3;
-      weight += functional.fixed.empty() ? 0 : functional.fixed[i] / 3;
+    if (!is_curved_wall(b, surface)) continue;
+    auto traces = traces_at(state, face, b, dual.of_cells[at(face.cell)]);
+    const auto gradient = mean_of(state.recovered, face) + Vec3{0, 0, traces.base};
+    const auto dual_gradient = mean_of(dual.recovered, face);
+    double squares = 0;
+    GapWave wave;
+    for (const auto& point : triangle_points) {
+      WallPlace place{{}, face.normal, point.weight * face.area};
+      traces.u = traces.psi0 = traces.w = 0;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const auto i = at(face.node[k]);
+        const double weight = point.weight_of_corner[k];
+        place.point += weight * domain.point[i];
+        traces.u += weight * state.u[i];
+        traces.psi0 += weight * problem.conditions.psi0[i];
+        traces.w += weight * dual.w[i];
+      }
+      const auto shift = wall_shift(domain, b, *surface, place, std::sqrt(face.area));
+      const double change = place.area * shape_change(problem, functional.goal, b, traces, shift);
+      auto other = traces;
+      other.gradient = gradient;
+      other.dual_gradient = dual_gradient;
+      sums[0].add(change);
+      sums[1].add(place.area * shape_change(problem, functional.goal, b, other, shift) - change);
+      squares += shift.distance * change;
+      wave.add(domain, *surface, place, shift.distance);
     }
-    const double dual_slope = -dot(gradient[at(face.cell)], face.normal);
-    double change = 0;
-    if (functional.goal.kind == Goal::Kind::charge) {
-      change = slope * dual_slope - weight * source;
-    } else if (functional.goal.kind == Goal::Kind::energy) {
-      const double base = problem.split_slope(face.node);
-      change = 0.5 * (slope * slope + base * base) - pressure;
-    } else {
-      change = -slope * dual_slope;
-    }
-    sum[0].add(face.area * distance * change);
+    sums[2].add(wave.number() * squares);
   }
-  return par::reproducible_sums(comm, sum)[0];
+  const auto totals = par::reproducible_sums(comm, sums);
+  return {totals[0], std::abs(totals[1]) + std::abs(totals[2])};
 }
 
 }  // namespace pamr::poisson_boltzmann

@@ -5,11 +5,18 @@
 
 namespace pamr::poisson_boltzmann {
 
-/// What a goal misses because flat faces stand in for the curved surfaces of patches of given potential, to first order
-/// in the distance between them: the derivative of the functional by the shape (J. Hadamard, 1908), with the dual
-/// solution w, of gradient `gradient` on the cells, on the meshed part. 0 where the mesh knows no curved surface.
-/// Collective: an exact sum.
-double shape_error(const par::Comm& comm, const State& state, const GoalFunctional& functional,
-                   std::span<const geometry::Vec3> gradient);
+/// What a goal misses on the meshed part because flat faces stand in for curved surfaces, to first order in the
+/// distance between them, and the size of what that leaves.
+struct ShapeError {
+  double correction = 0;
+  double rest = 0;  ///< the square of the distance, and what recovered gradients in place of those used would change
+};
+struct DualGradients {
+  std::span<const double> w;                            ///< n_nodes
+  std::span<const geometry::Vec3> of_cells, recovered;  ///< n_cells, n_nodes
+};
+/// By shape_change.hpp. 0 where the mesh knows no curved surface. Collective: three exact sums.
+ShapeError shape_error(const par::Comm& comm, const State& state, const GoalFunctional& functional,
+                       const DualGradients& dual);
 
 }  // namespace pamr::poisson_boltzmann
