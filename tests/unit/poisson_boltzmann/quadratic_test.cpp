@@ -403,6 +403,34 @@ TEST(ShapeChange, FindsTheChargeThatChordsOfACurvedEdgeMiss) {
   }
 }
 
+TEST(FarField, IsInTheBarWithWhatItLacksToTheLiquidBeyond) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  struct Case {
+    double potential;
+    bool is_linear, has_sphere;
+    double charge;  // without walls: inward integration of the spherical equation, and exp(1 - r)/r
+  };
+  for (const auto& c : {Case{1, true, false, 2}, Case{1, false, false, 2.029693916}, Case{3, false, true, 6.937467235},
+                        Case{1, true, true, 2}}) {
+    const auto analysis =
+        on_shell(comm, 1,
+                 fmt::format("[equation]\nlinear = {}\n{}[estimator]\ngoal = \"charge\"\ngoal_patch = \"inner\"\n"
+                             "[boundary.inner]\ncondition = \"potential\"\nvalue = {}\n[boundary.outer]\ncondition = "
+                             "\"far-field\"\n{}",
+                             c.is_linear, second_order, c.potential,
+                             c.has_sphere ? "[[sphere]]\npatch = \"inner\"\ncenter = [0, 0, 0]\nradius = 1\n" : ""));
+    const auto& goal = analysis.goals[0];
+    const double error = std::abs(*goal.value + goal.correction - 4 * std::numbers::pi * c.charge);
+    EXPECT_LE(error, *goal.error_bar) << c.potential << c.is_linear << c.has_sphere;
+    std::printf("ZZ far %g %d %d error %.3g bar %.3g box %.3g\n", c.potential, c.is_linear, c.has_sphere, error,
+                *goal.error_bar, goal.of_box);
+    if (c.is_linear && c.has_sphere)
+      EXPECT_LT(goal.of_box, 1e-3 * *goal.value);  // the condition is exact
+    else
+      EXPECT_LT(goal.of_box, 3 * error);
+  }
+}
+
 TEST(SecondOrder, AgreesOnAnyNumberOfRanks) {
   const par::Comm world(MPI_COMM_WORLD), self(MPI_COMM_SELF);
   const std::string text = second_order +

@@ -10,6 +10,7 @@
 #include "solvers/poisson_boltzmann/fem/quadrature.hpp"
 #include "solvers/poisson_boltzmann/goals/cubic_correction.hpp"
 #include "solvers/poisson_boltzmann/goals/error_bars.hpp"
+#include "solvers/poisson_boltzmann/goals/far_field_cost.hpp"
 #include "solvers/poisson_boltzmann/goals/quadratic_analysis.hpp"
 #include "solvers/poisson_boltzmann/goals/quadratic_goals.hpp"
 #include "solvers/poisson_boltzmann/goals/shape_change.hpp"
@@ -134,9 +135,11 @@ void add_goals(const par::Comm& comm, const State& state, System& system, std::v
     goal.no_error_bar = goal.value
                             ? why_no_error_bar(state.problem, result.electrodes, result.layers, has_facets, goal.goal)
                             : "the value is not given";
+    goal.of_box = functional.factor * far_field_cost(comm, state, result.electrodes, goal.goal, w);
     if (goal.no_error_bar.empty())
-      goal.error_bar = std::max(functional.factor * error.bar + bar_over_walls * std::abs(functional.through_walls),
-                                min_bar * std::abs(*goal.value));
+      goal.error_bar =
+          goal.of_box + std::max(functional.factor * error.bar + bar_over_walls * std::abs(functional.through_walls),
+                                 min_bar * std::abs(*goal.value));
     if (result.goals.empty()) {
       result.goal = std::move(error.share);
     } else if (goal.error_bound > 0) {

@@ -16,6 +16,7 @@ struct GoalResult {
   std::optional<double> value;      ///< of the functional; nothing where it means nothing
   double correction = 0;            ///< estimated error with its sign: the best value is `value` + `correction`
   double error_bound = 0;           ///< sum of the cells' shares
+  double of_box = 0;                ///< what walls of the far field cost (`far_field_cost`), part of the bar
   std::optional<double> error_bar;  ///< of the best value; nothing where `no_error_bar` says why
   std::string no_error_bar;
 };

@@ -20,6 +20,8 @@ struct Layer {
   bool is_known = false;  ///< the plate's own layer, which is split off exactly: only surface forms need the cells
   bool is_lost = false;   ///< nothing that is taken at the patch means anything: `ratio` or `n_cells` is too large
 
+  /// By which a charge of first order is too large at such a ratio.
+  double excess_percent() const { return 30 * ratio * ratio; }
   bool is_resolved() const { return ratio <= largest_resolved_layer_ratio; }
 };
 

@@ -18,11 +18,12 @@ const GoalResult* goal_of(const Analysis& analysis, Goal::Kind kind, int axis, c
 }
 
 BestValue corrected(std::string quantity, double value, const char* from, const GoalResult* goal) {
-  BestValue best{std::move(quantity), value, std::nullopt, "no goal", false, from};
+  BestValue best{std::move(quantity), value, std::nullopt, "no goal", 0, false, from};
   if (goal != nullptr) {
     best.value += goal->correction;
     best.error = goal->error_bar;
     best.no_error = goal->no_error_bar;
+    best.of_box = goal->of_box;
     best.is_corrected = true;
   }
   return best;

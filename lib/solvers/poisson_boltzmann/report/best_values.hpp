@@ -15,6 +15,7 @@ struct BestValue {
   double value = 0;             ///< corrected by the estimated error if `is_corrected`
   std::optional<double> error;  ///< error bar; nothing where `no_error` says why
   std::string no_error;
+  double of_box = 0;          ///< part of `error`
   bool is_corrected = false;  ///< by the estimated error of a goal
   std::string from;           ///< "volume", "midplane", "reaction": the form
 };

@@ -35,6 +35,7 @@ json goal_json(const GoalResult& result) {
           {"correction", result.correction},
           {"corrected", result.value ? json(*result.value + result.correction) : json(nullptr)},
           {"error_bar", number_json(result.error_bar)},
+          {"box_error", result.of_box},
           {"error_withheld", text_json(result.no_error_bar)}};
 }
 
@@ -76,7 +77,10 @@ void add_patch(const Case& input, const Analysis& analysis, const PatchResult& p
   for (const auto& best : best_values(input, analysis, patch)) {
     auto& entry = report["best"][patch.name][best.quantity];
     entry = {{"value", best.value}, {"error", number_json(best.error)}, {"from", best.from}};
-    if (best.is_corrected) entry["error_withheld"] = text_json(best.no_error);
+    if (best.is_corrected) {
+      entry["error_withheld"] = text_json(best.no_error);
+      entry["box_error"] = best.of_box;
+    }
     if (const auto unit = unit_of(best.quantity, units)) entry["si"] = *unit * best.value;
   }
 }
@@ -150,10 +154,23 @@ std::string with_error(double value, const std::optional<double>& error) {
   return fmt::format("{:.{}g} +- {:.2g}", value, std::clamp(place(value) - place(*error) + 2, 1, 17), *error);
 }
 
+/// That a charge without a correction is too large because the cells are too high for the layer; else empty.
+std::string beside_charge(const Case& input, const PatchResult& patch, const BestValue& best) {
+  const auto& layer = patch.layer;
+  const auto* boundary = input.find_boundary(patch.name);
+  if (best.quantity != "charge" || best.is_corrected || input.solver.order != 1 || layer.is_known ||
+      boundary == nullptr || boundary->condition != Condition::potential || layer.ratio <= largest_ratio_of_charge_bar)
+    return "";
+  return fmt::format("; may be {:.2g} % too large: cells {:.2g} layers high, use order = 2", layer.excess_percent(),
+                     layer.ratio);
+}
+
 /// What a reader of the value has to know of its error bar: why there is none, or what it lacks.
-std::string beside_error(const Case& input, const std::optional<double>& error, const std::string& no_error) {
+std::string beside_error(const Case& input, const std::optional<double>& error, const std::string& no_error,
+                         double of_box) {
   const auto beyond = error ? beyond_error_bars(input) : "no error bar: " + no_error;
-  return beyond.empty() ? "" : "; " + beyond;
+  return (error && of_box > 0 ? fmt::format("; {:.2g} of it for the box", of_box) : "") +
+         (beyond.empty() ? "" : "; " + beyond);
 }
 
 void describe_patch(const Case& input, const Analysis& analysis, const PatchResult& patch,
@@ -166,10 +183,11 @@ void describe_patch(const Case& input, const Analysis& analysis, const PatchResu
                               patch.symmetry_factor));
   for (const auto& best : best_values(input, analysis, patch)) {
     const auto unit = unit_of(best.quantity, units);
-    lines.push_back(fmt::format("  best {:<9} {}{}  ({}{}{})", best.quantity, with_error(best.value, best.error),
+    lines.push_back(fmt::format("  best {:<9} {}{}  ({}{}{}{})", best.quantity, with_error(best.value, best.error),
                                 unit ? fmt::format("  {:.4e} {}", *unit * best.value, unit_name(best.quantity)) : "",
                                 best.from, best.is_corrected ? ", corrected" : "",
-                                beside_error(input, best.error, best.no_error)));
+                                beside_error(input, best.error, best.no_error, best.of_box),
+                                beside_charge(input, patch, best)));
   }
   if (patch.charge)
     lines.push_back(fmt::format("  charge    {:.9g}, mean density {:.9g}", *patch.charge, *patch.charge_density));
@@ -208,7 +226,7 @@ std::vector<std::string> describe_results(const Case& input, const Analysis& ana
                                 result.value ? fmt::format("{:.9g}", *result.value) : "not given", result.correction,
                                 result.error_bound,
                                 result.error_bar ? fmt::format(", error bar {:.2g}", *result.error_bar) : "",
-                                beside_error(input, result.error_bar, result.no_error_bar)));
+                                beside_error(input, result.error_bar, result.no_error_bar, result.of_box)));
   if (analysis.manufactured_l2)
     lines.push_back(fmt::format("manufactured solution: error {:.6e} (L2), {:.6e} (H1)", *analysis.manufactured_l2,
                                 *analysis.manufactured_h1));
@@ -231,7 +249,7 @@ std::vector<std::string> describe_layers(const Case& input, const Analysis& anal
     else if (boundary->condition == Condition::charge)
       line += "; its charge is given, its potential may be too low";
     else
-      line += fmt::format("; its charge may be {:.0f} % too large", 30 * layer.ratio * layer.ratio);
+      line += fmt::format("; its charge may be {:.0f} % too large", layer.excess_percent());
     line += " (mark the cells with pamr-mark --field layer_ratio --above 1)";
     lines.push_back(std::move(line));
   }
