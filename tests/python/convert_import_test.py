@@ -126,9 +126,9 @@ def test_groups_that_no_mesh_has_a_place_for_are_counted():
     elements = ELEMENTS.replace("$Elements\n5\n", "$Elements\n8\n6 15 2 9 1 1\n7 1 2 8 1 1 2\n8 1 2 8 1 2 3\n")
     mesh, told = read("left.msh", HEAD + groups + NODES + elements)
     assert faces_of(mesh) == {"wall": 2, "physical_2": 2}
-    assert told == ["1 points of the group 'sensor' were left out: a mesh has groups of triangles and tetrahedra",
+    assert told == ["1 point of the group 'sensor' was left out: a mesh has groups of triangles and tetrahedra",
                     "2 lines of the group 'edge' were left out: a mesh has groups of triangles and tetrahedra",
-                    "1 named groups have no element: 'outlet' (triangles)"], told
+                    "1 named group has no element: 'outlet' (triangles)"], told
     lost = MSH.replace(" 2 1 1 ", " 2 0 1 ").replace(" 2 2 2 1 3 4", " 2 0 2 1 3 4").replace(" 2 2 2 2 3 4", " 2 0 2 2 3 4").replace(
         "4 2 7 1", "4 2 0 1")
     _, told = read("saveall.msh", lost)
@@ -353,8 +353,8 @@ def test_cells_of_two_zones_stay_in_the_first_one():
     assert mesh.regions == {1: "all", 2: "some", 3: "few"}
     assert region == [1] * 40 + [2] * 4 + [0] * 3 + [3], region
     assert told == ["file 'case': 30 tetrahedra are in the group 'all' and in 'some': they stay in 'all', which comes first",
-                    "file 'case': 1 tetrahedra are in the group 'all' and in 'few': they stay in 'all', which comes first",
-                    "file 'case': 1 tetrahedra are in the group 'some' and in 'few': they stay in 'some', which comes first"], told
+                    "file 'case': 1 tetrahedron is in the group 'all' and in 'few': it stays in 'all', which comes first",
+                    "file 'case': 1 tetrahedron is in the group 'some' and in 'few': it stays in 'some', which comes first"], told
     assert "expected elements in one group each, found 30 tetrahedra in 'all' and in 'some'" in error_of(
         lambda: pamr.Mesh.read(COMM, "case", strict=True))
 

@@ -134,7 +134,7 @@ def test_names_of_regions_that_are_not_there():
     with warnings.catch_warnings(record=True) as told:
         warnings.simplefilter("always")
         assert with_regions([1, 1, 1, 2, 2, 2]).regions == {1: "gas", 5: "no"}
-    assert [str(w.message) for w in told] == (["1 named groups have no element: 'no' (tetrahedra)",
+    assert [str(w.message) for w in told] == (["1 named group has no element: 'no' (tetrahedra)",
                                                "10 boundary faces without tag are in the patch 'boundary'"] if COMM.rank == 0 else [])
 
 

@@ -89,7 +89,7 @@ def holds(triangle, point):
 
 @in_folder
 def test_meshes_are_written_in_other_units():
-    mesh = pamr.kuhn_cube(2)
+    mesh = pamr.Mesh.kuhn_cube(COMM, 2)
     before = mesh.points.copy()
     points = {}
     for scale in (1, 0.001, 0.0254):
@@ -103,6 +103,7 @@ def test_meshes_are_written_in_other_units():
     assert not os.path.exists("x")
 
 
+@in_folder
 def test_refined_fields_keep_integrals_and_boundary_entries():
     mesh = cube()
     openfoam.write_mesh(mesh, "level.0")

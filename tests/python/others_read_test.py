@@ -204,7 +204,7 @@ def test_pamr_reads_all_of_it_back():
             with warnings.catch_warnings(record=True) as told:
                 warnings.simplefilter("always")
                 back = pamr.Mesh.read(COMM, name)
-            told = [str(w.message) for w in told if "1 named groups have no element: 'nothing" not in str(w.message)]
+            told = [str(w.message) for w in told if "1 named group has no element: 'nothing" not in str(w.message)]
             counts = sorted(np.bincount(back.boundary_faces().patches).tolist())
             where = f"{how} {ending}"
             assert (back.n_cells, back.n_nodes, counts) == (mesh.n_cells, mesh.n_nodes, sorted(n_faces.values())), where
