@@ -158,8 +158,8 @@ void associate(cli::Session& session, const Options& options, const std::string&
                       found.patch, found.worst_distance, found.surface));
   }
   if (!comm.is_first()) return;
+  for (const auto& remark : mesh.info.surfaces->remarks()) session.warn(remark);
   for (const auto& surface : mesh.info.surfaces->triangulations) {
-    for (const auto& remark : surface->remarks) session.warn(fmt::format("surface \"{}\": {}", surface->name, remark));
     const auto warning = geometry::self_intersection_warning(*surface, geometry::find_self_intersections(*surface));
     if (!warning.empty()) session.warn(warning);
   }

@@ -144,8 +144,8 @@ RawMesh mesh_here(const MeshCase& mesh_case, const Domain& domain, const Listene
 void require_insides(const MeshCase& mesh_case, const Listener& listener) {
   if (!mesh_case.combination.surfaces) return;
   const geometry::Box bounds{mesh_case.combination.low, mesh_case.combination.high};
+  for (const auto& remark : mesh_case.combination.surfaces->remarks()) listener.warn(remark);
   for (const auto& surface : mesh_case.combination.surfaces->triangulations) {
-    for (const auto& remark : surface->remarks) listener.warn(fmt::format("surface \"{}\": {}", surface->name, remark));
     const auto inside = geometry::find_inside(*surface, bounds);
     if (inside.fault) throw Error(mesh_case.where + ": " + *inside.fault);
     const auto warning = geometry::self_intersection_warning(*surface, inside.self_intersections);

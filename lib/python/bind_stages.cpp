@@ -214,8 +214,8 @@ std::string text_of_coarse_walls(const PythonMesh& mesh) {
 }
 
 #ifdef PAMR_WITH_MESHING
-/// Patch, surface and largest distance of each association.
-std::vector<std::tuple<std::string, std::string, double>> associate(
+/// Patch, surface and largest distance of each association, and what of the files of surfaces was left out.
+std::pair<std::vector<std::tuple<std::string, std::string, double>>, std::vector<std::string>> associate(
     PythonMesh& mesh, const std::string& toml, const std::vector<std::string>& pairs,
     const std::vector<std::pair<std::string, std::string>>& files, double feature_angle, double tolerance) {
   unshare_field(mesh, false, mesh::off_surface_field);
@@ -229,7 +229,7 @@ std::vector<std::tuple<std::string, std::string, double>> associate(
   std::vector<std::tuple<std::string, std::string, double>> result;
   for (const auto& found : meshing::associate_surfaces(*mesh.comm, mesh.mesh, request))
     result.emplace_back(found.patch, found.surface, found.worst_distance);
-  return result;
+  return {std::move(result), mesh.mesh.info.surfaces->remarks()};
 }
 #endif
 

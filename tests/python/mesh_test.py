@@ -281,6 +281,38 @@ def test_surfaces_keep_the_boundary_curved():
     assert COMM.allreduce(np.linalg.norm(flat.points[nodes], axis=1).min(initial=2), min) < 0.999
 
 
+@in_folder
+def test_files_of_triangles_say_what_is_left_out():
+    points, cells, triangles, tags = cube_arrays(1)
+    mesh = pamr.Mesh.from_arrays(COMM, share(points, 1), share(cells, 2), (share(triangles, 3), 0 * share(tags, 3)), {0: "wall"},
+                                 repair=True)
+    if COMM.rank == 0:
+        with open("cube.obj", "w") as file:
+            file.writelines(f"v {x} {y} {z}\n" for x, y, z in itertools.product((0, 1), repeat=3))
+            file.writelines(f"f {face}\n" for face in ("1 2 4 3", "5 7 8 6", "1 5 6 2", "3 4 8 7", "1 3 7 5", "2 6 8 4"))
+            file.write("vn 0 0 1\nvt 0 1\n")
+    COMM.barrier()
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        assert mesh.associate({"wall": pamr.File("cube.obj")})["wall"] == 0
+    texts = [str(w.message) for w in told if "left out" in str(w.message)]
+    assert texts == (['surface "wall": left out: 1 normal, 1 texture coordinate'] if COMM.rank == 0 else []), texts
+
+
+def test_patches_have_the_tags_of_their_numbers():
+    """Without numbers from 0 on; where some patches have numbers, faces that had no tag come back without one."""
+    from pamr.interop import _tags_of_patches
+    points, cells, triangles, tags = cube_arrays(1)
+    given = [(share(points, 1), share(cells, 2), (share(triangles, 3), share(tags, 3)), {1: "a", 2: "boundary"})]
+    given += [(*given[0][:2], (share(triangles[tags > 2], 3), share(tags[tags > 2], 3)), {11: "a"})]
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        meshes = [pamr.Mesh.from_arrays(COMM, *arrays, repair=True) for arrays in given]
+    assert _tags_of_patches(meshes[0]) == dict(enumerate((1, 2, 11, 12, 21, 22)))
+    assert meshes[1].patches[-1] == "boundary" and _tags_of_patches(meshes[1]) == dict(enumerate((11, 12, 21, 22)))
+    assert _tags_of_patches(pamr.Mesh.kuhn_cube(COMM, 1)) == dict(enumerate(range(6)))
+
+
 def test_points_are_found_and_walks_change_nothing():
     mesh = pamr.balance(make_mesh(4, 11), method="scotch")
     dice = np.random.default_rng(COMM.rank)

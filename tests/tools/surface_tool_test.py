@@ -148,16 +148,27 @@ def test_quads_and_text_of_cad_programs_are_read():
     write_stl("ball.stl", *icosphere(1))
     text = pathlib.Path("ball.stl").read_text()
     pathlib.Path("two.stl").write_text(text.replace("solid body", "solid hull").replace("endsolid hull", "endsolid hull\nsolid lid\nendsolid"))
-    assert '2 solids ("hull", "lid"): their names are not used yet' in run("pamr-surface", "info", "two.stl").err
+    assert 'left out: the names of 2 solids ("hull", "lid")' in run("pamr-surface", "info", "two.stl").err
     write_off("ball.off", *icosphere(2))
     run("pamr-surface", "scale", "ball.off", "-o", "ball.stl", "--factor", "1", "--binary", "--force")
     with open("ball.stl", "ab") as file:
         file.write(b"made by X")
-    says = ": 9 bytes behind the 320 triangles that the file announces are left out"
+    says = ": left out: 9 bytes behind the 320 triangles that the file announces"
     for command in (("info",), ("repair", "-o", "mended.off"), ("decimate", "--error", "0.1", "-o", "few.off")):
         assert "ball.stl" + says in run("pamr-surface", command[0], "ball.stl", *command[1:]).err, command
     assert 'surface "body"' + says in run("pamr-mesh", mesh_case("ball.stl"), "-o", "ball.hdf").err
     assert says in run("pamr-convert", "ball.hdf", "tied.hdf", "--surface", "ball.stl", "--patch", "body").err
+
+
+def test_what_files_have_beside_their_shape_is_counted():
+    write_off("ball.off", *icosphere(2))
+    run("pamr-surface", "scale", "ball.off", "-o", "ball.obj", "--factor", "1", "--force")
+    with open("ball.obj", "a") as file:
+        file.write("vn 0 0 1\nvn 0 1 0\nvt 0 0\ng lid\ng hull\n")
+    says = ': left out: the names of 2 groups ("lid", "hull"), which are one surface, 2 normals, 1 texture coordinate\n'
+    assert run("pamr-surface", "info", "ball.obj").err.count(says) == 1
+    assert run("pamr-mesh", mesh_case("ball.obj"), "-o", "ball.hdf", "--force").err.count('surface "body"' + says) == 1
+    assert run("pamr-convert", "ball.hdf", "tied.hdf", "--force", "--surface", "ball.obj", "--patch", "body").err.count(says) == 1
 
 
 def test_decimate_keeps_error_number_and_edges():

@@ -34,6 +34,13 @@ void SurfaceSet::append(const SurfaceSet& other) {
   triangulations.insert(triangulations.end(), other.triangulations.begin(), other.triangulations.end());
 }
 
+std::vector<std::string> SurfaceSet::remarks() const {
+  std::vector<std::string> texts;
+  for (const auto& one : triangulations)
+    for (const auto& remark : one->remarks) texts.push_back(fmt::format("surface \"{}\": {}", one->name, remark));
+  return texts;
+}
+
 SharedSurfaces no_surfaces() { return std::make_shared<const SurfaceSet>(); }
 
 }  // namespace pamr::geometry

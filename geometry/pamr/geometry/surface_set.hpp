@@ -35,6 +35,9 @@ struct SurfaceSet {
   /// Adds the surfaces of another set after these, their description and their data too. Throws `Error` for a name
   /// that both have.
   void append(const SurfaceSet& other);
+
+  /// What the files of triangulated surfaces have that is left out, each beginning with the name of the surface.
+  std::vector<std::string> remarks() const;
 };
 
 using SharedSurfaces = std::shared_ptr<const SurfaceSet>;

@@ -367,8 +367,8 @@ class Mesh:
     def associate(self, surfaces: Mapping[str, Surface], tolerance: Optional[float] = None,
                   feature_angle: float = 40) -> dict[str, float]:
         """Lets patches lie on surfaces: ``mesh.associate({"wall": pamr.Sphere((0, 0, 0), 1)})``. Refinements then put new nodes of
-        these patches onto them. Returns the largest distance of a node from the surface of each patch. A Python warning on rank 0
-        says where edges are long for the radius of their wall, as pamr-convert does.
+        these patches onto them. Returns the largest distance of a node from the surface of each patch. Python warnings on
+        rank 0 say what of a file of triangles is left out, and where edges are long for the radius of their wall, as pamr-convert does.
 
         tolerance: largest distance that is accepted, length unit (default: 1e-6 of the mesh's size, more for triangles).
         feature_angle: degrees between two triangles of a ``pamr.File`` beyond which their edge is sharp.
@@ -394,11 +394,11 @@ class Mesh:
         given = agree(self._comm, prepare)
         if not hasattr(_core, "associate"):
             raise Error("associate: expected a build with PAMR_MESHING, found one without")
-        found = {patch: distance for patch, _, distance in _core.associate(self._core, *given)}
-        remark = _core.text_of_coarse_walls(self._core)
-        if remark and self._comm.rank == 0:
+        found, remarks = _core.associate(self._core, *given)
+        coarse = _core.text_of_coarse_walls(self._core)
+        for remark in remarks + ([coarse] if coarse else []) if self._comm.rank == 0 else []:
             warnings.warn(remark, stacklevel=2)
-        return found
+        return {patch: distance for patch, _, distance in found}
 
     def __repr__(self) -> str:
         return f"<pamr.Mesh: {self.n_cells} cells, {self.n_nodes} nodes, patches {', '.join(self.patches)}>"

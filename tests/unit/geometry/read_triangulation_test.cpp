@@ -14,6 +14,7 @@
 #include <tuple>
 #include <vector>
 
+#include "pamr/base/counted.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/geometry/surface.hpp"
 #include "pamr/geometry/surface_toml.hpp"
@@ -83,7 +84,10 @@ TEST(SurfaceFile, ReadsPlyOfTheOtherByteOrderWithMoreProperties) {
     for (const auto p : t) add(&p, sizeof p);
   }
 
-  EXPECT_EQ(parse_triangulation(bytes, "a.ply"), parse_triangulation(tetrahedron, "a.off"));
+  auto read = parse_triangulation(bytes, "a.ply");
+  EXPECT_EQ(read.remarks.size(), 1U);
+  read.remarks.clear();
+  EXPECT_EQ(read, parse_triangulation(tetrahedron, "a.off"));
 }
 
 double volume_of(const Triangulation& surface) {
@@ -155,9 +159,8 @@ TEST(SurfaceFile, ReadsStlWithoutNormalsAndNamesItsSolids) {
   EXPECT_EQ(parse_triangulation(short_ones, "a.stl"), read);
   EXPECT_THAT(error_of(replaced(text, "outer loop", "0 0 loop"), "a.stl"), HasSubstr("expected \"outer\""));
   EXPECT_EQ(read.remarks, std::vector<std::string>());
-  EXPECT_THAT(
-      parse_soup("solid in  let\nendsolid\nsolid\nendsolid\n", "a.stl").remarks,
-      ElementsAre("the file has 2 solids (\"in let\", \"\"): their names are not used yet, all are one surface"));
+  EXPECT_THAT(parse_soup("solid in  let\nendsolid\nsolid\nendsolid\n", "a.stl").remarks,
+              ElementsAre("left out: the names of 2 solids (\"in let\", \"\"), which are one surface"));
 }
 
 TEST(SurfaceFile, ReadsWhatEditorsAndTransfersPutAroundStl) {
@@ -172,9 +175,8 @@ TEST(SurfaceFile, ReadsWhatEditorsAndTransfersPutAroundStl) {
   EXPECT_EQ(parse_triangulation(mark + bytes, "a.stl"), from_bytes);
   for (const auto* behind : {"x", "color", "\n"}) {
     auto longer = parse_triangulation(bytes + behind, "a.stl");
-    EXPECT_THAT(longer.remarks, ElementsAre(fmt::format("{} bytes behind the 20 triangles that the file announces are "
-                                                        "left out",
-                                                        std::string(behind).size())));
+    EXPECT_THAT(longer.remarks, ElementsAre(fmt::format("left out: {} behind the 20 triangles that the file announces",
+                                                        counted(std::ssize(std::string(behind)), "byte", "bytes"))));
     longer.remarks.clear();
     EXPECT_EQ(longer, from_bytes);
   }
@@ -194,12 +196,61 @@ TEST(SurfaceFile, JoinsLinesOfObjThatEndInABackslash) {
     EXPECT_EQ(parse_triangulation(replaced(plain, "f 1 3 2", std::string("f 1 3") + " " + joint + " 2"), "a.obj"),
               read);
     EXPECT_EQ(parse_triangulation(replaced(plain, "g lid", std::string("g ") + joint + "lid"), "a.obj"), read);
-    EXPECT_EQ(parse_triangulation("vn 0 0 " + std::string(joint) + " 1\n" + plain, "a.obj"), read);
+    EXPECT_EQ(parse_triangulation("s " + std::string(joint) + " 1\n" + plain, "a.obj"), read);
   }
   EXPECT_THAT(error_of(replaced(plain, "f 1 3 2", "f 1 \\\n3 x"), "a.obj"), HasSubstr("a.obj:7: "));
   EXPECT_THAT(error_of(replaced(plain, "v 1 0 0", "v 1 \\ 0 0"), "a.obj"), HasSubstr("a.obj:3: "));
   EXPECT_THAT(parse_triangulation("o a\n" + plain + "o a\n", "a.obj").remarks,
-              ElementsAre("the file has 2 groups (\"a\", \"lid\"): their names are not used yet, all are one surface"));
+              ElementsAre("left out: the names of 2 groups (\"a\", \"lid\"), which are one surface"));
+}
+
+TEST(SurfaceFile, CountsWhatObjHasBesideItsShape) {
+  const std::string plain = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+  const auto read = parse_triangulation(plain, "a.obj");
+  ASSERT_EQ(read.remarks, std::vector<std::string>());
+
+  for (const auto& [more, says] :
+       {std::pair("vn 0 0 1\n", "1 normal"),
+        std::pair("vt 0 1\nvt 1 1\nvn 0 0 1\nvn 1 0 0\nvn 0 1 0\n", "3 normals, 2 texture coordinates"),
+        std::pair("g a\ng b\nvn 0 0 1\n", "the names of 2 groups (\"a\", \"b\"), which are one surface, 1 normal"),
+        std::pair("mtllib a.mtl\nusemtl red\ns 1\nusemtl blue\n", "2 uses of materials"),
+        std::pair("l 1 2\np 3\nvp .5\n", "1 parameter of a curve, 1 line, 1 single point")}) {
+    auto with = parse_triangulation(plain + more, "a.obj");
+    EXPECT_THAT(with.remarks, ElementsAre(std::string("left out: ") + says));
+    with.remarks.clear();
+    EXPECT_EQ(with, read);
+  }
+  EXPECT_THAT(parse_soup(replaced(plain, "v 0 0 1", "v 0 0 1 .5 .5 .5"), "a.obj").remarks,
+              ElementsAre("left out: colors of 1 point"));
+  EXPECT_EQ(parse_soup(replaced(plain, "v 0 0 1", "v 0 0 1 1"), "a.obj"), read);
+}
+
+TEST(SurfaceFile, CountsWhatPlyHasBesideItsShape) {
+  const auto file = [](const std::string& of_points, const std::string& of_faces, const std::string& elements,
+                       const std::string& values, const std::string& rest) {
+    std::string text =
+        "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n" + of_points +
+        "element face 4\nproperty list uchar int vertex_indices\n" + of_faces + elements + "end_header\n";
+    for (const auto* point : {"0 0 0 ", "1 0 0 ", "0 1 0 ", "0 0 1 "}) text += point + values + "\n";
+    for (const auto* face : {"3 0 2 1", "3 0 1 3", "3 0 3 2", "3 1 2 3"})
+      text += std::string(face) + (of_faces.empty() ? "" : " 7") + "\n";
+    return text + rest;
+  };
+  const auto read = parse_triangulation(file("", "", "", "", ""), "a.ply");
+  ASSERT_EQ(read.remarks, std::vector<std::string>());
+
+  for (const auto& [text, says] :
+       {std::pair(file("property float nx\nproperty float ny\nproperty list uchar float s\n", "", "", "0 1 2 8 9", ""),
+                  "nx, ny, s of 4 points"),
+        std::pair(file("property uchar red\n", "property int part\n", "", "255", ""),
+                  "red of 4 points, part of 4 faces"),
+        std::pair(file("", "", "element edge 2\nproperty int a\nelement none 0\n", "", "0\n1\n"),
+                  "2 elements 'edge'")}) {
+    auto with = parse_triangulation(text, "a.ply");
+    EXPECT_THAT(with.remarks, ElementsAre(std::string("left out: ") + says));
+    with.remarks.clear();
+    EXPECT_EQ(with, read);
+  }
 }
 
 TEST(SurfaceFile, PassesOverNormalsColorsAndTextureCoordinatesOfOff) {
@@ -216,12 +267,12 @@ TEST(SurfaceFile, PassesOverNormalsColorsAndTextureCoordinatesOfOff) {
         std::tuple("STOFF", "0 1", "texture coordinates"),
         std::tuple("STCNOFF", "0 0 1 .5 .5 .5 1 0 1", "texture coordinates and colors and normals")}) {
     auto read = parse_triangulation(with(first, behind), "a.off");
-    EXPECT_THAT(read.remarks, ElementsAre(std::string(what) + " of the points are left out")) << first;
+    EXPECT_THAT(read.remarks, ElementsAre("left out: " + std::string(what) + " of 4 points")) << first;
     read.remarks.clear();
     EXPECT_EQ(read, plain) << first;
   }
   auto painted = parse_triangulation(replaced(tetrahedron, "3 0 2 1", "3 0 2 1 255 0 0"), "a.off");
-  EXPECT_THAT(painted.remarks, ElementsAre("colors of the faces are left out"));
+  EXPECT_THAT(painted.remarks, ElementsAre("left out: colors of 1 face"));
   EXPECT_THAT(error_of(with("COFF", "1 0"), "a.off"), AllOf(HasSubstr("a.off:3: expected 3"), HasSubstr("found 2")));
   EXPECT_THAT(error_of(with("NOFF", "1 0 x"), "a.off"), HasSubstr("a.off:3: "));
   EXPECT_THAT(error_of(with("4OFF", "1"), "a.off"), HasSubstr("COFF, NOFF"));

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "pamr/base/counted.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/geometry/triangulated/polygons.hpp"
 #include "pamr/geometry/triangulated/triangulation_text.hpp"
@@ -20,14 +21,38 @@ namespace {
 
 constexpr std::int64_t most = std::numeric_limits<int>::max();
 
-/// Statements of OBJ that say nothing about the shape.
-bool says_no_shape(std::string_view word) {
-  constexpr std::array<std::string_view, 11> known{"vn", "vt", "vp",     "s",      "usemtl", "l",
-                                                   "p",  "mg", "mtllib", "maplib", "usemap"};
-  for (const auto name : known)
-    if (word == name) return true;
-  return false;
-}
+/// Statements of OBJ that a surface has no place for.
+class OtherStatements {
+ public:
+  /// Counts one; false for a word that is none of them.
+  bool count(std::string_view word) {
+    for (std::size_t i = 0; i < known.size(); ++i)
+      if (word == known[i].word) return ++n_[i] > 0;
+    return false;
+  }
+  /// Those that there are, but for those that only say how others are shown.
+  void list(std::vector<std::string>& things) const {
+    for (std::size_t i = 0; i < known.size(); ++i)
+      if (n_[i] > 0 && !known[i].one.empty()) things.push_back(counted(n_[i], known[i].one, known[i].others));
+  }
+
+ private:
+  struct Known {
+    std::string_view word, one, others;
+  };
+  static constexpr std::array<Known, 11> known{{{"vn", "normal", "normals"},
+                                                {"vt", "texture coordinate", "texture coordinates"},
+                                                {"vp", "parameter of a curve", "parameters of curves"},
+                                                {"l", "line", "lines"},
+                                                {"p", "single point", "single points"},
+                                                {"usemtl", "use of a material", "uses of materials"},
+                                                {"s", "", ""},
+                                                {"mg", "", ""},
+                                                {"mtllib", "", ""},
+                                                {"maplib", "", ""},
+                                                {"usemap", "", ""}}};
+  std::array<std::int64_t, known.size()> n_{};
+};
 
 /// "7", "7/1", "7/1/2" or "7//2"; negative numbers count from the last point.
 int corner_of(const SurfaceText& text, std::string_view word, std::size_t n_points) {
@@ -81,6 +106,8 @@ Triangulation parse_obj(std::string_view bytes, const std::string& where) {
   Triangulation surface;
   Polygons faces;
   std::vector<std::string> parts;
+  OtherStatements others;
+  std::int64_t n_colors = 0;
   SurfaceText text(bytes, where, '#');
   text.join_lines();
   while (!text.at_end()) {
@@ -89,6 +116,9 @@ Triangulation parse_obj(std::string_view bytes, const std::string& where) {
       std::array<double, 3> x{};
       for (double& value : x) value = text.number_of(text.word_in_line(), "coordinate");
       surface.points.push_back({x[0], x[1], x[2]});
+      int n = 0;  // 1: a weight, 3 or 4: a color
+      while (!text.word_in_line().empty()) ++n;
+      if (n >= 3) ++n_colors;
     } else if (word == "f") {
       int n = 0;
       for (auto corner = text.word_in_line(); n < Polygons::min_corners || !corner.empty();
@@ -100,13 +130,16 @@ Triangulation parse_obj(std::string_view bytes, const std::string& where) {
     } else if (word == "g" || word == "o") {
       auto name = text.rest_of_line();
       if (std::find(parts.begin(), parts.end(), name) == parts.end()) parts.push_back(std::move(name));
-    } else if (!says_no_shape(word)) {
+    } else if (!others.count(word)) {
       text.fail("expected a statement of OBJ (v, f, vn, ...), found another");
     }
     text.skip_line();
   }
   faces.split(surface);
-  if (auto remark = remark_on_parts("groups", parts); !remark.empty()) surface.remarks.push_back(std::move(remark));
+  std::vector<std::string> things{names_of_parts("groups", parts)};
+  if (n_colors > 0) things.push_back("colors of " + counted(n_colors, "point", "points"));
+  others.list(things);
+  surface.remarks = remark_on_rest(things);
   return surface;
 }
 
@@ -114,7 +147,6 @@ Triangulation parse_off(std::string_view bytes, const std::string& where) {
   Triangulation surface;
   SurfaceText text(bytes, where, '#');
   const auto extra = extra_of(text);
-  if (!extra.what.empty()) surface.remarks.push_back(extra.what + " of the points are left out");
   const auto n_points = text.whole("number of points", 0, most);
   const auto n_faces = text.whole("number of faces", 0, most);
   text.whole("number of edges", 0, std::numeric_limits<std::int64_t>::max());
@@ -124,17 +156,19 @@ Triangulation parse_off(std::string_view bytes, const std::string& where) {
     if (!extra.what.empty()) skip_numbers(text, extra);
   }
   Polygons faces;
-  bool has_colors = false;
+  std::int64_t n_colors = 0;
   for (std::int64_t i = 0; i < n_faces; ++i) {
     const auto n = text.whole("corners of a face", Polygons::min_corners, Polygons::max_corners);
     for (std::int64_t k = 0; k < n; ++k)
       faces.add_corner(static_cast<int>(text.whole("point of a face", 0, n_points - 1)));
     faces.end_face();
-    has_colors = has_colors || !text.word_in_line().empty();
+    if (!text.word_in_line().empty()) ++n_colors;
     text.skip_line();
   }
   faces.split(surface);
-  if (has_colors) surface.remarks.emplace_back("colors of the faces are left out");
+  surface.remarks = remark_on_rest(
+      {extra.what.empty() || n_points == 0 ? "" : extra.what + " of " + counted(n_points, "point", "points"),
+       n_colors == 0 ? "" : "colors of " + counted(n_colors, "face", "faces")});
   if (!text.at_end()) text.fail("expected the end of the file after the last face, found more");
   return surface;
 }

@@ -11,6 +11,7 @@
 #include <limits>
 #include <vector>
 
+#include "pamr/base/counted.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/geometry/triangulated/polygons.hpp"
 #include "pamr/geometry/triangulated/triangulation_text.hpp"
@@ -222,6 +223,24 @@ void read_element(Body& body, const Element& element, std::int64_t n_points, Tri
   }
 }
 
+/// What an element has beside the points and faces of a surface, as "nx, ny of 8 points" or "7 elements 'edge'".
+std::string rest_of(const Element& element) {
+  const bool is_vertex = element.name == "vertex";
+  if (element.count == 0) return {};
+  if (!is_vertex && element.name != "face")
+    return counted(element.count, "element", "elements") + " '" + element.name + "'";
+  std::string names;
+  for (const auto& property : element.properties) {
+    const bool is_shape =
+        is_vertex ? !property.is_list && (property.name == "x" || property.name == "y" || property.name == "z")
+                  : property.is_list && property.name.starts_with("vertex_ind");
+    if (!is_shape) names += (names.empty() ? "" : ", ") + property.name;
+  }
+  if (names.empty()) return {};
+  return fmt::format("{} of {}", names,
+                     is_vertex ? counted(element.count, "point", "points") : counted(element.count, "face", "faces"));
+}
+
 }  // namespace
 
 Triangulation parse_ply(std::string_view bytes, const std::string& where) {
@@ -240,6 +259,9 @@ Triangulation parse_ply(std::string_view bytes, const std::string& where) {
   for (const auto& element : head.elements) read_element(body, element, n_points, surface, faces);
   if (!body.at_end()) body.fail("expected the end of the file after the last element, found more");
   faces.split(surface);
+  std::vector<std::string> rest;
+  for (const auto& element : head.elements) rest.push_back(rest_of(element));
+  surface.remarks = remark_on_rest(rest);
   return surface;
 }
 

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "pamr/base/byte_order_mark.hpp"
+#include "pamr/base/counted.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/hash.hpp"
 #include "pamr/geometry/triangulated/triangulation_text.hpp"
@@ -64,8 +65,8 @@ Triangulation parse_binary(std::string_view bytes, const std::string& where) {
   const std::int64_t n = facets_in_head(bytes), behind = bytes_behind(bytes);
   Welder welder;
   if (behind > 0)
-    welder.result.remarks.push_back(
-        fmt::format("{} bytes behind the {} triangles that the file announces are left out", behind, n));
+    welder.result.remarks = remark_on_rest(
+        {fmt::format("{} behind the {} triangles that the file announces", counted(behind, "byte", "bytes"), n)});
   for (std::int64_t f = 0; f < n; ++f) {
     float value[12];  // normal, which need not be right, and three corners
     std::memcpy(value, bytes.data() + head_bytes + facet_bytes * static_cast<std::size_t>(f), sizeof value);
@@ -114,8 +115,7 @@ Triangulation parse_ascii(std::string_view bytes, const std::string& where) {
     }
     text.skip_line();
   }
-  if (auto remark = remark_on_parts("solids", names); !remark.empty())
-    welder.result.remarks.push_back(std::move(remark));
+  welder.result.remarks = remark_on_rest({names_of_parts("solids", names)});
   return std::move(welder.result);
 }
 

@@ -27,14 +27,21 @@ char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + '
 
 }  // namespace
 
-std::string remark_on_parts(std::string_view what, const std::vector<std::string>& names) {
+std::vector<std::string> remark_on_rest(const std::vector<std::string>& things) {
+  std::string list;
+  for (const auto& thing : things)
+    if (!thing.empty()) list += (list.empty() ? "left out: " : ", ") + thing;
+  return list.empty() ? std::vector<std::string>{} : std::vector{list};
+}
+
+std::string names_of_parts(std::string_view what, const std::vector<std::string>& names) {
   constexpr std::size_t most = 5;
   if (names.size() < 2) return {};
   std::string list;
   for (std::size_t i = 0; i < std::min(most, names.size()); ++i)
     list += fmt::format("{}\"{}\"", i == 0 ? "" : ", ", names[i]);
-  return fmt::format("the file has {} {} ({}{}): their names are not used yet, all are one surface", names.size(), what,
-                     list, names.size() > most ? ", ..." : "");
+  return fmt::format("the names of {} {} ({}{}), which are one surface", names.size(), what, list,
+                     names.size() > most ? ", ..." : "");
 }
 
 bool is_same_word(std::string_view a, std::string_view b) {

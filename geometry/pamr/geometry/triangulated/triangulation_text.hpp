@@ -54,9 +54,11 @@ class SurfaceText {
   std::size_t line_, at_ = 0;
 };
 
-/// Says that the names of several parts of a file have no place in a surface; empty for less than two.
-/// `what`: "solids".
-std::string remark_on_parts(std::string_view what, const std::vector<std::string>& names);
+/// Says in one sentence what of a file has no place in a surface. `things`: as "8 normals"; empty ones do not count. No sentence
+/// where there are none.
+std::vector<std::string> remark_on_rest(const std::vector<std::string>& things);
+/// The names of several parts of a file as one of these things: empty for less than two. `what`: "solids".
+std::string names_of_parts(std::string_view what, const std::vector<std::string>& names);
 
 /// True for texts that are equal but for the case of the letters a to z.
 bool is_same_word(std::string_view a, std::string_view b);
