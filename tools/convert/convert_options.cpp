@@ -110,7 +110,8 @@ void declare_repair(cli::CommandLine& line, Options& options) {
       "split edges and faces so that no face beside a curved wall has two edges on it (cells there get flat when they "
       "are refined; done anyway "
       "for such a mesh with surfaces), and split cells at walls whose edges are longer than their radius into eight");
-  line.flag("--no-repair", options.no_repair, "split nothing");
+  line.flag("--no-repair", options.no_repair,
+            "leave edges, faces and cells at coarse curved walls as they are, also where surfaces are given");
 }
 
 /// Yields --gmsh-version.
@@ -153,9 +154,10 @@ void declare(cli::CommandLine& line, Options& options) {
                       "OpenFOAM case",
                       formats_help(false), io::list_endings([](const io::Format& f) { return f.is_surface; }, " or ")))
       .required();
-  const auto unit =
-      line.option("--unit", options.unit, "unit of the mesh's coordinates, kept in the mesh: mm, cm, m, um, in, ft")
-          .show_default();
+  const auto unit = line.option(
+      "--unit", options.unit,
+      "mm, cm, m, um, in or ft: unit of the coordinates after --scale, which native files keep (default: that "
+      "of IN, none with --scale; with --cad mm)");
   line.option("--scale", options.scale,
               "factor for all coordinates and for the surfaces that a native mesh has; new surfaces are in the new "
               "coordinates")
@@ -169,8 +171,7 @@ void declare(cli::CommandLine& line, Options& options) {
             "join boundary nodes that lie in one place (parts that were meshed apart, cells with nodes of their own): "
             "the faces between them become inner ones");
   line.flag("--strict", options.strict,
-            "refuse what would only be reported: inverted cells, nodes of no cell, "
-            "boundary faces without tag, parts that no face joins, cells that overlap");
+            "make an error of each warning about what IN holds or lacks, and repair nothing");
   line.flag("--as-level-0", options.as_level0,
             "forget how a native mesh was refined: all its cells are of level 0 (no coarsening below them)");
   line.flag("--force", options.force, cli::force_help);
