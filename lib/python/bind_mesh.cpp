@@ -14,6 +14,7 @@
 #include "pamr/assemble/kuhn_cube.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
+#include "pamr/io/elements/boundary_rows.hpp"
 #include "pamr/io/elements/element_remarks.hpp"
 #include "pamr/io/export/write_foam.hpp"
 #include "pamr/io/foam/foam_order.hpp"
@@ -326,6 +327,9 @@ void bind_mesh(py::module_& module) {
   module.def("from_arrays", from_arrays);
   module.def("read", read, py::call_guard<py::gil_scoped_release>());
   module.def("other_foam_faces", other_foam_faces, py::call_guard<py::gil_scoped_release>());
+  module.def("tags_of_patches", [](const std::vector<std::string>& names, const std::vector<std::int64_t>& numbers) {
+    return io::patch_numbers(names, "patch_", 0, numbers, 0);
+  });
   module.def("kuhn_cube", kuhn_cube, py::call_guard<py::gil_scoped_release>());
 }
 

@@ -138,6 +138,12 @@ def test_names_of_regions_that_are_not_there():
                                                "10 boundary faces without tag are in the patch 'boundary'"] if COMM.rank == 0 else [])
 
 
+def test_fields_with_the_name_of_patches_inside():
+    for words in ([0, 0, 0, 0, 0, 5], [0, 1 << 16, 0, 0, 0, 0], [-1, 0, 0, 0, 0, 0]):
+        expect("arrays: field 'inner_patch': expected patches", lambda: make(cell_fields={"inner_patch": on_last(np.array(words))}))
+    assert make(cell_fields={"inner_patch": on_last(np.zeros(6, int))}).n_cells == 6
+
+
 def test_triangles_that_are_no_faces():
     expect(["arrays: expected tagged triangles that are faces of the tetrahedra", "found 1 apart from the cells",
             "the first with nodes 1, 2 and 4 in "], lambda: make(triangles=changed(FLOOR, 1, (1, 2, 4))))

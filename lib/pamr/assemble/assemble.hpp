@@ -22,8 +22,8 @@ namespace pamr::assemble {
 /// by a block border. Throws `Error` on every rank for node, cell or patch numbers out of range, a node twice in a
 /// cell, a face in three cells, a neighbor that is not reciprocal, boundary triangles that are inside or contradict one
 /// another or the neighbors, families that are not whole, contiguous and in template order, blocks or fields whose
-/// sizes do not fit. Does not look at coordinates. Cost: O(cells + nodes) time; where neighbors are built O(cells
-/// log(faces at a node)).
+/// sizes do not fit. Does not look at coordinates and patches inside (`mesh::require_inner_patches`). Cost: O(cells +
+/// nodes) time; where neighbors are built O(cells log(faces at a node)).
 mesh::DistMesh assemble(const par::Comm& comm, mesh::BlockMesh block, std::span<const Rank> destination = {});
 
 }  // namespace pamr::assemble

@@ -12,7 +12,6 @@
 #include "pamr/base/error.hpp"
 #include "pamr/base/hash.hpp"
 #include "pamr/mesh/families.hpp"
-#include "pamr/mesh/inner_patches.hpp"
 #include "pamr/mesh/level0_key.hpp"
 #include "pamr/mesh/local_size.hpp"
 
@@ -55,7 +54,6 @@ void check_sizes(const mesh::BlockMesh& block, std::span<const Rank> destination
   if (contents.has_destinations) require_size(destination.size(), n, "destinations", rank);
   require_size(block.node_position.size(), static_cast<std::size_t>(nodes.count()), "node block", rank);
   check_fields(block.cell_fields, n, "cell", rank);
-  for (const auto& field : block.cell_fields) mesh::require_inner_patches(field, block.info.patches.size());
   check_fields(block.node_fields, static_cast<std::size_t>(nodes.count()), "node", rank);
 }
 

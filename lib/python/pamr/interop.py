@@ -102,16 +102,9 @@ class DolfinxMesh(NamedTuple):
 
 def _tags_of_patches(mesh: Mesh) -> dict[int, int]:
     """The tag of each patch by index. Where patches have numbers, faces that had no tag come back without one."""
-    numbers = mesh.patch_numbers
-    tags: dict[int, int] = {}
-    for patch, number in enumerate(numbers):
-        if 0 <= number < 2**31 and number not in tags.values():
-            tags[patch] = number
-    free = (number for number in range(2**31) if number not in tags.values())
-    for patch, name in enumerate(mesh.patches):
-        if patch not in tags and not (tags and numbers[patch] < 0 and name == "boundary"):
-            tags[patch] = next(free)
-    return tags
+    numbers, names = mesh.patch_numbers, mesh.patches
+    tagged = [patch for patch, name in enumerate(names) if numbers[patch] >= 0 or name != "boundary" or max(numbers) < 0]
+    return dict(zip(tagged, _core.tags_of_patches([names[patch] for patch in tagged], [numbers[patch] for patch in tagged])))
 
 
 def to_dolfinx(mesh: Mesh) -> DolfinxMesh:

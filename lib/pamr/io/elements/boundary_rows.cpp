@@ -23,7 +23,8 @@ std::vector<BoundaryRow> boundary_rows(const RowsInOrder& rows) {
 }
 
 std::vector<std::int64_t> patch_numbers(const std::vector<std::string>& names, std::string_view prefix,
-                                        std::int64_t first, const std::vector<std::int64_t>& own) {
+                                        std::int64_t first, const std::vector<std::int64_t>& own,
+                                        std::int64_t first_free) {
   std::vector<std::int64_t> numbers(names.size(), -1);
   std::set<std::int64_t> taken;
   for (std::size_t i = 0; i < own.size(); ++i)
@@ -38,7 +39,7 @@ std::vector<std::int64_t> patch_numbers(const std::vector<std::string>& names, s
       if (error != std::errc{} || rest != end || number < first || !taken.insert(number).second) number = -1;
     }
   }
-  std::int64_t next = 1;
+  auto next = first_free;
   for (auto& number : numbers) {
     if (number >= 0) continue;
     while (!taken.insert(next).second) ++next;

@@ -23,8 +23,9 @@ std::vector<BoundaryRow> boundary_rows(const RowsInOrder& rows);
 
 /// Numbers of patches (and interfaces) for formats that know numbers: `own` of the user, from `first` on, where no patch
 /// before has it; else N for a patch `prefixN` (N of at most nine digits, from `first` on), as the readers of these
-/// formats call them; the lowest free numbers from 1 on for the others, in order. Below 2^31.
+/// formats call them; the lowest free numbers from `first_free` on for the others, in order. Below 2^31.
 std::vector<std::int64_t> patch_numbers(const std::vector<std::string>& names, std::string_view prefix,
-                                        std::int64_t first, const std::vector<std::int64_t>& own = {});
+                                        std::int64_t first, const std::vector<std::int64_t>& own = {},
+                                        std::int64_t first_free = 1);
 
 }  // namespace pamr::io

@@ -442,6 +442,9 @@ ElementMesh mesh_of_elements(const par::Comm& comm, ElementParts parts, const st
   auto block = block_of(comm, parts, numbered);
   parts.tetrahedron = {};
   with_source(source, [&] {
+    par::agree(comm, [&] {
+      for (const auto& field : block.cell_fields) mesh::require_inner_patches(field, 0);  // it is no field of ours
+    });
     const auto [n_turned, n_flat] = assemble::orient(comm, block, options.repair);
     if (n_flat > 0) throw Error(fmt::format("expected cells with a volume, found {} flat ones", n_flat));
     result.n_turned = n_turned;
