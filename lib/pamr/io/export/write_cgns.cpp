@@ -23,6 +23,7 @@
 #include "pamr/io/native/hdf5.hpp"
 #include "pamr/io/rows_in_order.hpp"
 #include "pamr/io/shared_output.hpp"
+#include "pamr/mesh/inner_patches.hpp"
 
 namespace pamr::io {
 
@@ -162,11 +163,16 @@ const char* condition_of(const std::string& kind) {
 class CgnsWriter {
  public:
   CgnsWriter(const par::Comm& comm, const std::filesystem::path& file, const mesh::DistMesh& mesh, const Remark& remark)
-      : comm_(comm), mesh_(mesh), remark_(remark), rows_(rows_in_order(comm, mesh)), out_(comm, file) {
+      : comm_(comm),
+        mesh_(mesh),
+        remark_(remark),
+        rows_(rows_in_order(comm, mesh, nullptr, Interfaces::patches)),
+        out_(comm, file) {
     faces_.resize(mesh.info.patches.size());
     for (const auto& face : boundary_rows(rows_)) faces_[at(face.patch)].push_back(face.node);
     std::int64_t n_elements = mesh.info.n_global_cells;
     for (const auto& patch : faces_) n_elements += n_faces_.emplace_back(comm.sum(std::ssize(patch)));
+    is_inside_ = mesh::patches_inside_alone(comm, mesh);
     is_wide_ = std::max(n_elements, rows_.n_nodes) > std::numeric_limits<std::int32_t>::max();
   }
 
@@ -266,12 +272,13 @@ class CgnsWriter {
     }
   }
 
+  /// Patches inside alone have none: they are the sections of their names.
   void conditions() {
     on_first([&](CgnsTree& tree) {
       const auto all = std::string(zone) + "/ZoneBC";
       tree.node(all, "ZoneBC_t");
       for (std::size_t p = 0; p < faces_.size(); ++p) {
-        if (n_faces_[p] == 0) continue;
+        if (n_faces_[p] == 0 || is_inside_[p]) continue;
         const auto path = all + "/" + patch_name_[p];
         tree.text(path, "BC_t", condition_of(mesh_.info.patches[p].kind));
         tree.integers(path + "/PointRange", "IndexRange_t", {first_face_[p], first_face_[p] + n_faces_[p] - 1}, {2, 1},
@@ -322,6 +329,7 @@ class CgnsWriter {
   SharedOutput out_;
   std::vector<std::vector<std::array<GlobalId, 3>>> faces_;  ///< of each patch, this rank's
   std::vector<std::int64_t> n_faces_, first_face_;           ///< all ranks'
+  std::vector<bool> is_inside_;                              ///< of each patch whether it lies inside alone
   std::vector<std::string> patch_name_;
   bool is_wide_ = false;
   std::vector<CgnsTree> tree_;  ///< one on the first rank, none elsewhere
