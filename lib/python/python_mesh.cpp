@@ -37,7 +37,7 @@ io::ElementParts to_parts(const par::Comm& comm, MeshArrays arrays) {
   for (std::size_t t = 0; t < arrays.triangles.size(); ++t)
     parts.triangle.push_back({arrays.triangles[t], arrays.tags[t]});
   for (const auto& [tag, patch] : arrays.patch_of_tag) parts.group_name[{2, tag}] = patch.name;
-  for (const auto& [number, name] : arrays.regions) parts.group_name[{3, number}] = name;
+  for (const auto& region : arrays.regions) parts.group_name[{3, region.number}] = region.name;
   parts.cell_fields = std::move(arrays.cell_fields);
   parts.node_fields = std::move(arrays.node_fields);
   for (auto& field : parts.node_fields)

@@ -276,24 +276,50 @@ def two_cells_in_two_groups():
                      "2 2 2 3", *(f"1 {t}" for t in far), "3 1 4 2", *(f"1 {c}" for c in cells), "$EndElements", ""])
 
 
-def test_an_entity_in_two_groups_stays_in_the_one_with_the_smaller_number():
+def test_entities_in_two_groups_are_in_both():
     for version, text in zip(("22", "41"), two_cells_in_two_groups()):
-        told = run("pamr-convert", write(f"groups{version}.msh", text), f"groups{version}.hdf", "--json", "-")
-        assert told.json["patches"] == ["near", "far side"] and told.json["cells"] == 2, told.json
-        assert told.json["group_overlaps"] == [
-            {"dimension": 2, "kept": "near", "other": "far side", "elements": 3},
-            {"dimension": 3, "kept": "gas", "other": "hot", "elements": 2}], told.json
-        for words in ("3 triangles are in the group 'near' and in 'far side': they stay in 'near', which has the smaller number",
-                      "2 tetrahedra are in the group 'gas' and in 'hot': they stay in 'gas'"):
-            assert told.err.count(words) == 1, told.err
+        told = run("pamr-convert", write(f"groups{version}.msh", text), f"groups{version}.hdf", "--strict", "--quiet", "--json", "-")
+        assert told.err == "" and told.json["patches"] == ["far side", "near+far side"], told.json
         with h5py.File(f"groups{version}.hdf") as file:
-            assert list(file["VTKHDF/CellData/region"][:]) == [7, 7]
-        refuses("pamr-convert", f"groups{version}.msh", "strict.hdf", "--strict",
-                says=["in one group each, found 3 triangles in 'near' and in 'far side'"], creates="strict.hdf")
+            assert list(file["VTKHDF/CellData/region"][:]) == [1, 1]
+            assert file["PAMR/patches/groups"].asstr()[:].tolist() == ["", "1 4 near 2 8 far side"]
+            assert file["PAMR/regions/names"].asstr()[:].tolist() == ["gas+hot", "gas", "hot"]
+            assert file["PAMR/regions/groups"].asstr()[:].tolist() == ["7 3 gas 9 3 hot", "", ""]
     assert same_bytes("groups22.hdf", "groups41.hdf")
     run("pamr-convert", "groups22.msh", "serial.hdf", "--quiet", serial=True)
     assert same_bytes("groups22.hdf", "serial.hdf")
-    # the same nodes twice in one group are an error as ever
+    for name, n_marked in (("near", 1), ("far side", 2), ("near+far side", 1), ("n*r", 1), ("far*", 2)):
+        run("pamr-mark", "groups22.hdf", "-o", "marked.hdf", "--patch", name, "--force", "--quiet", serial=True)
+        with h5py.File("marked.hdf") as file:
+            assert file["VTKHDF/CellData/refine"][:].sum() == n_marked, name
+    run("pamr-refine", "marked.hdf", "-o", "fine.hdf", "--quiet")
+    for version, names in (("2.2", ["--text"]), ("2.2", []), ("4.1", ["--text"]), ("4.1", [])):
+        run("pamr-convert", "groups22.hdf", "back.msh", "--gmsh-version", version, *names, "--force", "--quiet")
+        run("pamr-convert", "back.msh", "back.hdf", "--force", "--quiet")
+        assert same_bytes("groups22.hdf", "back.hdf"), (version, names)
+        run("pamr-convert", "fine.hdf", "fine.msh", "--gmsh-version", version, *names, "--force", "--quiet")
+        report = run("pamr-convert", "fine.msh", "fine2.hdf", "--force", "--json", "-").json
+        assert report["patches"] == ["far side", "near+far side"] and report["regions"] == {"1": "gas+hot", "7": "gas", "9": "hot"}, report
+        known = b'$PhysicalNames\n4\n2 2 "far side"\n2 1 "near"\n3 7 "gas"\n3 9 "hot"\n$EndPhysicalNames'
+        assert known in pathlib.Path("back.msh").read_bytes(), version
+
+
+def test_elements_in_some_of_three_groups_keep_them_all():
+    """Of three groups of one entity: faces in each pair, in all, in one; `a+b` is the name of a group, too."""
+    sets = [("1", ["10 20 30"]), ("12", ["10 20 40"]), ("23", ["10 30 40"]), ("123", ["20 30 50"]), ("13", ["20 40 50"]), ("4", ["30 40 50"])]
+    of = [(f"2 2 {group} 1", face) for groups, faces in sets for face in faces for group in groups]
+    names = '$PhysicalNames\n4\n2 1 "a"\n2 2 "b"\n2 3 "c"\n2 4 "a+b"\n$EndPhysicalNames\n'
+    text = two_cells(elements=[f"{i + 1} {kind} {nodes}" for i, (kind, nodes) in enumerate(of + [
+        ("4 2 7 1", "10 20 30 40"), ("4 2 7 1", "20 30 40 50")])])
+    text = text.replace(two_cells().split("$EndMeshFormat\n")[1].split("$Nodes")[0], names)
+    told = run("pamr-convert", write("three.msh", text), "three.hdf", "--json", "-")
+    assert told.json["patches"] == ["a", "a+b", "a+b+", "a+b+c", "a+c", "b+c"], told.json["patches"]
+    run("pamr-convert", "three.hdf", "three2.msh", "--quiet")
+    run("pamr-convert", "three2.msh", "again.hdf", "--quiet", serial=True)
+    assert same_bytes("three.hdf", "again.hdf")
+
+
+def test_nodes_twice_in_one_group_are_refused():
     twice = write("twice.msh", two_cells().replace("$Elements\n10\n", "$Elements\n11\n11 4 2 7 1 20 30 40 50\n"))
     refuses("pamr-convert", twice, "twice.hdf", says=["at most two cells"], creates="twice.hdf")
 

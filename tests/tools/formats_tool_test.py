@@ -437,6 +437,31 @@ def test_bad_binary_files_are_refused_with_the_place():
         refuses("pamr-convert", "g.lb8.ugrid", "n.hdf", says=["g.mapbc", says], creates="n.hdf")
 
 
+def test_conditions_of_mapbc_come_back():
+    kuhn_cube("cube.hdf", 2)
+    run("pamr-convert", "cube.hdf", "m.lb8.ugrid", "--quiet")
+    numbers = [line.split()[0] for line in pathlib.Path("m.mapbc").read_text().splitlines()[1:]]
+    given = dict(zip(PATCHES, ("4010", "3000", "6662", "-1", "5026", "7100")))
+    text = "6\n" + "".join(f"{n} {c} {p}\n" for n, (p, c) in zip(numbers, given.items()))
+    pathlib.Path("m.mapbc").write_text(text)
+    for to in ("m.hdf", "fine.hdf", "back.lb8.ugrid", "b.hdf", "again.b8.ugrid"):  # there and back through both formats
+        made = {"fine.hdf": ("pamr-refine", "marked.hdf", "-o")}.get(to, ("pamr-convert", {"m.hdf": "m.lb8.ugrid", "back.lb8.ugrid": "fine.hdf",
+                "b.hdf": "back.lb8.ugrid"}.get(to, "b.hdf")))
+        if to == "fine.hdf":
+            run("pamr-mark", "m.hdf", "-o", "marked.hdf", "--all")
+        assert run(*made, to).err == "", to
+    assert pathlib.Path("back.mapbc").read_text() == text == pathlib.Path("again.mapbc").read_text()
+    with h5py.File("m.hdf") as file:
+        assert list(file["PAMR/patches/conditions"][:]) == [int(c) for c in given.values()]
+        assert file["PAMR/patches/kinds"].asstr()[:].tolist() == ["wall", "symmetry", "symmetry", "", "outflow", ""]
+    run("pamr-convert", "m.hdf", "k.lb8.ugrid", "--kind", "xmin=outflow", "--kind", "zmax=wall", "--kind", "xmax=symmetry")
+    assert [line.split()[1] for line in pathlib.Path("k.mapbc").read_text().splitlines()[1:]] == ["7012", "3000", "6662", "-1", "5026", "4000"]
+    for name in ("m.msh", "m.cgns", "m.su2"):
+        assert "the boundary conditions (.mapbc) of 6 patches are left out" in run("pamr-convert", "m.hdf", name).err, name
+    pathlib.Path("m.mapbc").write_text(f"1\n{numbers[0]} 4000 xmin\n")
+    assert "condition (.mapbc) of 1 patch is left out: files of Gmsh" in run("pamr-convert", "m.lb8.ugrid", "m.msh", "--force").err
+
+
 def test_places_beyond_two_gigabytes_are_read():
     """A binary Medit file whose parts lie behind a hole of 3 GB (a sparse file): positions of 64 bits."""
     kuhn_cube("cube.hdf", 1)

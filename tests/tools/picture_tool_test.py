@@ -3,6 +3,7 @@
 import json
 import os
 import pathlib
+import shutil
 import signal
 import stat
 import subprocess
@@ -117,6 +118,13 @@ def test_every_kind_of_file_is_drawn_and_patches_keep_their_names():
     run("pamr-picture", coarse, "-o", "two.png", "--patch", "xmin", "--patch", "xmax", "--quiet")
     run("pamr-picture", coarse, "-o", "both.png", "--patch", "x*", "--quiet")
     assert pathlib.Path("two.png").read_bytes() == pathlib.Path("both.png").read_bytes()
+    shutil.copy(coarse, "groups.hdf")
+    with h5py.File("groups.hdf", "r+") as file:
+        names = file["PAMR/patches/names"].asstr()[:].tolist()
+        file["PAMR/patches/groups"] = ["7 5 sides 9 2 no" if name in ("xmin", "xmax") else "" for name in names]
+    run("pamr-picture", "groups.hdf", "-o", "sides.png", "--patch", "sides", "--title", "coarse", "--quiet")
+    run("pamr-picture", coarse, "-o", "both.png", "--patch", "x*", "--title", "coarse", "--quiet", "--force")
+    assert pathlib.Path("sides.png").read_bytes() == pathlib.Path("both.png").read_bytes()
     panels = np.array_split(image[80:-50], 4, axis=1)
     assert all(len(np.unique(panel.reshape(-1, 3), axis=0)) > 20 for panel in panels)
 

@@ -37,6 +37,12 @@ class Mesh:
     units: dict = dataclasses.field(default_factory=dict)  # of fields
     level: np.ndarray = None             # of the rows of the cell fields
     length_unit: str = ""
+    more_groups: dict = dataclasses.field(default_factory=dict)  # of patches in several: their names
+
+    @property
+    def groups(self):
+        """Of each patch the names that it answers to."""
+        return {patch: [patch] + self.more_groups.get(patch, []) for patch in self.patches}
 
     @property
     def n_rows(self):
@@ -48,9 +54,21 @@ class Mesh:
         return os.path.splitext(os.path.basename(self.file.rstrip("/")))[0]
 
 
-def patches_named(pattern, names):
-    """The names for which one stands that a user has given: itself, or else all that fit it as a pattern of the shell."""
-    return {pattern} if pattern in names else {name for name in names if fnmatch.fnmatchcase(name, pattern)}
+def patches_named(pattern, groups):
+    """The patches for which a name stands that a user has given: that of this name and those in the group of this name, or else
+    all that fit it as a pattern of the shell. `groups`: of each patch its own name and those of its groups."""
+    exact = {name for name, known in groups.items() if pattern in known}
+    return exact or {name for name, known in groups.items() if any(fnmatch.fnmatchcase(one, pattern) for one in known)}
+
+
+def groups_in(text):
+    """The names in a text of groups: number, bytes of the name and name of each."""
+    rest, names = text.encode(), []
+    while rest:
+        _, length, rest = rest.split(b" ", 2)
+        names.append(rest[:int(length)].decode())
+        rest = rest[int(length) + 1:]
+    return names
 
 
 def face_keys(triangles):
@@ -124,6 +142,8 @@ def native_of(file, data):
     cell, slot = np.nonzero(neighbors < 0)
     faces = np.take_along_axis(cells[cell], FACE_TO_CORNER[slot], axis=1)
     patches = [text_of(name) for name in own["patches/names"][:]] if "patches/names" in own else [NO_PATCH]
+    if "patches/groups" in own:
+        more["more_groups"] = dict(zip(patches, map(groups_in, map(text_of, own["patches/groups"][:]))))
     return Mesh(file, points, cells, faces, cell, -neighbors[cell, slot] - 1, patches, **more)
 
 

@@ -54,7 +54,7 @@ class Subject:
             return list(mesh.patches) if self.plane is None else []
         if "all" in wanted or mesh.patches == [NO_PATCH]:
             return list(mesh.patches)
-        drawn = {name for patch in wanted for name in patches_named(patch, mesh.patches)}
+        drawn = {name for patch in wanted for name in patches_named(patch, mesh.groups)}
         return [name for name in mesh.patches if name in drawn]
 
     def _values(self):

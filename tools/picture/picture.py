@@ -155,7 +155,7 @@ def require_patches(wanted, meshes):
     from mesh_files import patches_named
     known = {patch for mesh in meshes for patch in mesh.patches}
     for name in wanted:
-        if name != "all" and not patches_named(name, known):
+        if name != "all" and not any(patches_named(name, mesh.groups) for mesh in meshes):
             raise Refused(f"{meshes[0].file}: --patch: unknown patch '{name}'; there are {', '.join(sorted(known))}")
 
 

@@ -235,6 +235,14 @@ ElementMesh read_mesh(const Comm& comm, const Path& file, const MeshReadOptions&
 void write_mesh(const Comm& comm, const Path& file, const mesh::DistMesh& mesh, const MeshWriteOptions& options) {
   const auto& format = format_to_write(comm, file);
   format.write(comm, file, mesh, options);
+  const auto n_conditions = std::count_if(mesh.info.patches.begin(), mesh.info.patches.end(),
+                                          [](const auto& patch) { return patch.condition != 0; });
+  if (n_conditions > 0 && options.remark && !format.is_native && !format.is_surface && !format.file_beside)
+    options.remark(fmt::format("the {} left out: files of {} have no place for {}",
+                               n_conditions == 1
+                                   ? "boundary condition (.mapbc) of 1 patch is"
+                                   : fmt::format("boundary conditions (.mapbc) of {} patches are", n_conditions),
+                               format.name, n_conditions == 1 ? "it" : "them"));
   if (format.has_inner_patches || format.is_surface || !options.remark) return;
   const auto n_faces = mesh::count_inner_faces(comm, mesh);
   for (std::size_t p = 0; p < n_faces.size(); ++p)

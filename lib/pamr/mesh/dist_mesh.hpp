@@ -24,12 +24,22 @@ class Level0Map;
 using CellNodes = std::array<LocalId, 4>;
 using CellNeighbors = std::array<LocalId, 4>;
 
+/// A group that the user has put faces or cells in.
+struct Group {
+  std::int64_t number = -1;  ///< -1: none
+  std::string name;
+  friend bool operator==(const Group&, const Group&) = default;
+};
+
 /// A named part of the boundary, or of the faces inside (`inner_patches.hpp`).
 struct Patch {
   std::string name;
   std::string kind;
   int surface = -1;          ///< that it lies on, an index into `MeshInfo::surfaces`; -1: none, nothing to project onto
   std::int64_t number = -1;  ///< that the user gave it: of a physical group, a reference, a tag; -1: none
+  std::int64_t condition = 0;  ///< of FUN3D, from a `.mapbc`; 0: none
+  /// The user's groups that its faces are in where these are several; empty: the patch is its only group.
+  std::vector<Group> groups = {};
   friend bool operator==(const Patch&, const Patch&) = default;
 };
 
@@ -37,6 +47,7 @@ struct Patch {
 struct Region {
   std::int64_t number = 0;
   std::string name;
+  std::vector<Group> groups = {};  ///< as of a patch
   friend bool operator==(const Region&, const Region&) = default;
 };
 

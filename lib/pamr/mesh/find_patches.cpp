@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/base/name_pattern.hpp"
@@ -10,12 +12,17 @@
 namespace pamr::mesh {
 
 std::vector<int> find_patches(const std::vector<Patch>& patches, const std::string& name) {
-  std::vector<int> found;
+  std::vector<int> exact, fitting;
   for (int p = 0; p < static_cast<int>(patches.size()); ++p) {
-    if (patches[at(p)].name == name) return {p};
-    if (stands_for(name, patches[at(p)].name)) found.push_back(p);
+    const auto& patch = patches[at(p)];
+    const auto is_any = [&](auto&& is_wanted) {
+      return is_wanted(patch.name) || std::any_of(patch.groups.begin(), patch.groups.end(),
+                                                  [&](const Group& group) { return is_wanted(group.name); });
+    };
+    if (is_any([&](const std::string& own) { return own == name; })) exact.push_back(p);
+    if (is_any([&](const std::string& own) { return stands_for(name, own); })) fitting.push_back(p);
   }
-  return found;
+  return exact.empty() ? fitting : exact;
 }
 
 std::vector<int> require_patches(const std::vector<Patch>& patches, const std::string& name, const std::string& where) {

@@ -8,8 +8,9 @@
 
 namespace pamr::mesh {
 
-/// Indices of the patches that a name given by a user stands for: of the patch of that name alone, or else of all for
-/// which it stands as a pattern (base/name_pattern.hpp). Empty if there is none. Local.
+/// Indices of the patches that a name given by a user stands for: of the patch of that name and those in a group of that
+/// name, or else of all for which, or for a group of which, it stands as a pattern (base/name_pattern.hpp). Empty if
+/// there is none. Local.
 std::vector<int> find_patches(const std::vector<Patch>& patches, const std::string& name);
 
 /// The same; throws `Error`, which begins with `where` and lists the mesh's patches, if there is none. Local.

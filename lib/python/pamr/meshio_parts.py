@@ -198,8 +198,8 @@ def _rows_in_block(name: str, array: Any, n: int) -> np.ndarray:
 
 
 def _leave_one_of_each(mesh: Any, key: Optional[str], group: Group, remarks: list[str]) -> np.ndarray:
-    """Leaves out what Gmsh's format 2.2 writes again for each further group of an entity: as the reader of Gmsh's files does, those
-    in the group with the smallest number stay. Returns which rows stay."""
+    """Leaves out what Gmsh's format 2.2 writes again for each further group of an entity: those in the group with the smallest number
+    stay. Returns which rows stay."""
     kept = np.ones(len(group.nodes), bool)
     if key != PHYSICAL or ENTITY not in mesh.cell_data or group.tags is None or not len(kept):
         return kept

@@ -265,6 +265,26 @@ std::vector<Damage> damages_of_the_extension() {
          write_dataset<std::int64_t>(f, "/PAMR/patches/numbers", {2}, {1, 2});
        },
        {"patches/numbers", "expected 6 numbers", "found 2"}},
+      {"PatchConditionsTooMany",
+       [](const path& f) {
+         write_dataset<std::int64_t>(f, "/PAMR/patches/conditions", {7}, {1, 2, 3, 4, 5, 6, 7});
+       },
+       {"patches/conditions", "expected 6 numbers", "found 7"}},
+      {"PatchGroupsTooFew",
+       [](const path& f) {
+         write_texts(f, "/PAMR/patches/groups", {"", "7 4 wing 9 5 upper"});
+       },
+       {"patches/groups", "expected 6 texts", "found 2"}},
+      {"PatchGroupsWithoutLength",
+       [](const path& f) {
+         write_texts(f, "/PAMR/patches/groups", {"", "", "7 wing", "", "", ""});
+       },
+       {"patches/groups", "number, length and name", "row 2"}},
+      {"PatchGroupNameIsTooShort",
+       [](const path& f) {
+         write_texts(f, "/PAMR/patches/groups", {"7 4 wing 9 50 upper", "", "", "", "", ""});
+       },
+       {"patches/groups", "number, length and name", "row 0"}},
       {"RegionsWithoutNames", regions({1}, {}), {"/PAMR/regions/names", "a dataset"}},
       {"MoreRegionsThanNames", regions({1, 2}, {"gas"}), {"/PAMR/regions/names", "2 texts", "found 1"}},
       {"RegionTwice", regions({2, 2}, {"gas", "solid"}), {"/PAMR/regions/numbers", "ascending", "2 after 2"}},

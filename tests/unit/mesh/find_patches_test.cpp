@@ -22,6 +22,19 @@ TEST(FindPatches, TakesThePatchOfThatNameAloneOrAllOfAPattern) {
   EXPECT_THAT(find_patches({}, "*"), IsEmpty());
 }
 
+TEST(FindPatches, TakesThePatchesInAGroupOfThatName) {
+  const std::vector<Patch> some{{"wing", ""},
+                                {.name = "wing+upper", .kind = "", .groups = {{7, "wing"}, {9, "upper"}}},
+                                {.name = "wing+lower", .kind = "", .groups = {{7, "wing"}, {8, "lower"}}},
+                                {"inlet", ""}};
+
+  EXPECT_THAT(find_patches(some, "wing"), ElementsAre(0, 1, 2));
+  EXPECT_THAT(find_patches(some, "upper"), ElementsAre(1));
+  EXPECT_THAT(find_patches(some, "wing+lower"), ElementsAre(2));
+  EXPECT_THAT(find_patches(some, "*er"), ElementsAre(1, 2));
+  EXPECT_THAT(find_patches(some, "7"), IsEmpty());
+}
+
 TEST(FindPatches, NamesThePatchesWhereNoneIsFound) {
   EXPECT_THAT(require_patches(patches, "wall?", "--patch"), ElementsAre(0));
   EXPECT_THAT(

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <compare>
 #include <cstdint>
 #include <map>
 #include <set>
@@ -28,13 +27,6 @@ struct TaggedTetrahedron {
   std::int64_t group = 0;
 };
 
-/// A group of elements of one dimension beside another.
-struct GroupPair {
-  int dimension = 0;
-  std::int64_t kept = 0, other = 0;
-  friend auto operator<=>(const GroupPair&, const GroupPair&) = default;
-};
-
 /// One rank's share: the canonical block of the nodes, and any part of the triangles and tetrahedra, in the order of
 /// the file.
 struct ElementParts {
@@ -49,8 +41,9 @@ struct ElementParts {
   std::map<int, std::int64_t> refused;
   /// Names of groups by dimension and number.
   std::map<std::pair<int, std::int64_t>, std::string> group_name;
-  /// Elements of this rank that the file has in two groups: they are in the one that is kept.
-  std::map<GroupPair, std::int64_t> in_two_groups = {};
+  /// Sets of groups that elements are in together, by dimension and the number of the group that stands for the set.
+  /// The same on every rank.
+  std::map<std::pair<int, std::int64_t>, std::set<std::int64_t>> joint = {};
   /// Points and lines of this rank by dimension (0, 1) and physical group: a mesh has no place for these groups.
   std::map<std::pair<int, std::int64_t>, std::int64_t> n_in_group = {};
   std::int64_t n_untagged_triangles = 0;  ///< of this rank, which are left out already

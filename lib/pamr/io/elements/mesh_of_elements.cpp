@@ -212,14 +212,14 @@ std::vector<UnusedGroup> unused_groups(const par::Comm& comm, const ElementParts
   };
   std::vector<Count> here;
   for (const auto& [group, n] : parts.n_in_group) here.push_back({group.first, group.second, n});
-  std::set<std::array<std::int64_t, 2>> dropped;  // groups of which all elements stay in others
-  for (const auto& [pair, n] : parts.in_two_groups) dropped.insert({pair.dimension, pair.other});
   std::map<std::pair<int, std::int64_t>, std::int64_t> n_elements;
   for (const auto& [group, name] : parts.group_name)
     if (!name.empty()) n_elements[group] = 0;
   for (const auto& [dimension, group] : groups) n_elements.erase({static_cast<int>(dimension), group});
-  for (const auto& [dimension, group] : par::gather_distinct(comm, dropped))
-    n_elements.erase({static_cast<int>(dimension), group});
+  for (const auto& [joint, members] : parts.joint) {
+    n_elements.erase(joint);
+    for (const auto member : members) n_elements.erase({joint.first, member});
+  }
   for (const auto& [dimension, group, n] : par::gather_few(comm, std::move(here))) n_elements[{dimension, group}] += n;
   std::vector<UnusedGroup> unused;
   for (const auto& [group, n] : n_elements) {

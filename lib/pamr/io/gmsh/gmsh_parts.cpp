@@ -42,4 +42,22 @@ std::string name_of_group(const GroupNames& names, int dimension, std::int64_t g
   return fmt::format("{}{}", group > 0 ? "physical_" : "surface_", std::abs(group));
 }
 
+void add_joint_groups(Parts& parts, int dimension, const std::set<std::set<std::int64_t>>& sets,
+                      std::set<std::int64_t> taken) {
+  for (const auto& [group, name] : parts.group_name)
+    if (group.first == dimension || group.first == unknown_dimension) taken.insert(group.second);
+  std::int64_t next = 1;
+  for (const auto& groups : sets) {
+    if (groups.size() < 2) continue;
+    while (!taken.insert(next).second) ++next;
+    parts.joint[{dimension, next}] = groups;
+  }
+}
+
+std::int64_t number_of_groups(const Parts& parts, int dimension, const std::set<std::int64_t>& groups) {
+  for (const auto& [joint, members] : parts.joint)
+    if (joint.first == dimension && members == groups) return joint.second;
+  return *groups.begin();
+}
+
 }  // namespace pamr::io::gmsh

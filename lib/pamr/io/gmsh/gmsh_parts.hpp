@@ -52,6 +52,13 @@ using GroupNames = decltype(Parts::group_name);
 /// The name that the file gives to a group, or else one of its number.
 std::string name_of_group(const GroupNames& names, int dimension, std::int64_t group);
 
+/// Gives each of these sets of groups the lowest free number of a group that stands for it (`parts.joint`). `taken`:
+/// numbers of groups of that dimension. Local.
+void add_joint_groups(Parts& parts, int dimension, const std::set<std::set<std::int64_t>>& sets,
+                      std::set<std::int64_t> taken);
+/// The number of such a set, or of the only group.
+std::int64_t number_of_groups(const Parts& parts, int dimension, const std::set<std::int64_t>& groups);
+
 /// Notes a link between two entities of that dimension: of surfaces only, since those of curves and points come with
 /// them in some versions of the format.
 void keep_link(Parts& parts, std::int64_t dimension, std::int64_t entity, std::int64_t master);

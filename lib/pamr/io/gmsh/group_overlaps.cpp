@@ -5,8 +5,10 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <map>
 #include <set>
+#include <string>
 #include <tuple>
 #include <utility>
 
@@ -17,17 +19,33 @@ namespace pamr::io::gmsh {
 
 namespace {
 
-/// Leaves out the elements of these groups that another group has, too. Collective.
+using GroupSet = std::set<std::int64_t>;
+
+/// The different sets that any rank has. Collective.
+std::set<GroupSet> gather_sets(const par::Comm& comm, const std::set<GroupSet>& here) {
+  std::vector<std::int64_t> flat;
+  for (const auto& groups : here) {
+    flat.push_back(std::ssize(groups));
+    flat.insert(flat.end(), groups.begin(), groups.end());
+  }
+  flat = par::gather_few(comm, std::move(flat));
+  std::set<GroupSet> sets;
+  for (auto at = flat.begin(); at != flat.end(); at += *at + 1) sets.emplace(at + 1, at + 1 + *at);
+  return sets;
+}
+
+/// Makes one of the elements that several of these groups have. Collective.
 template <class Element>
-void leave_one_of_each(const par::Comm& comm, int dimension, const std::set<std::int64_t>& groups,
-                       std::vector<Element>& elements, std::map<GroupPair, std::int64_t>& in_two_groups) {
+void join_copies(const par::Comm& comm, int dimension, const std::array<GroupSet, 2>& all_and_shared,
+                 std::vector<Element>& elements, Parts& parts) {
+  const auto& [known, groups] = all_and_shared;
   struct Copy {
     decltype(Element::node) node;  ///< ascending
     std::int64_t group, element;
     Rank rank;
   };
-  struct Dropped {
-    std::int64_t element, kept;
+  struct Changed {
+    std::int64_t element, group;  ///< group 0: left out
   };
   par::Mailbox<Copy> copies(comm);
   for (std::size_t i = 0; i < elements.size(); ++i) {
@@ -40,16 +58,24 @@ void leave_one_of_each(const par::Comm& comm, int dimension, const std::set<std:
   auto all = copies.send().item;
   std::sort(all.begin(), all.end(),
             [](const Copy& a, const Copy& b) { return std::tie(a.node, a.group) < std::tie(b.node, b.group); });
-  par::Mailbox<Dropped> dropped(comm);
+  std::map<std::size_t, GroupSet> of_first;  ///< of the first copy of an element in several groups: all of them
   for (std::size_t i = 0, first = 0; i < all.size(); ++i) {
     if (all[i].node != all[first].node) first = i;
-    if (all[i].group != all[first].group) dropped.add(all[i].rank, {all[i].element, all[first].group});
+    if (all[i].group != all[first].group)
+      of_first.try_emplace(first, GroupSet{all[first].group}).first->second.insert(all[i].group);
   }
+  std::set<GroupSet> sets;
+  for (const auto& [first, of_element] : of_first) sets.insert(of_element);
+  add_joint_groups(parts, dimension, gather_sets(comm, sets), known);
+  par::Mailbox<Changed> changed(comm);
+  for (const auto& [first, of_element] : of_first)
+    for (auto i = first; i < all.size() && all[i].node == all[first].node; ++i)
+      changed.add(all[i].rank, {all[i].element, i == first ? number_of_groups(parts, dimension, of_element) : 0});
   std::vector<bool> is_dropped(elements.size(), false);
-  for (const auto& one : dropped.send().item) {
+  for (const auto& one : changed.send().item) {
     const auto element = static_cast<std::size_t>(one.element);
-    is_dropped[element] = true;
-    ++in_two_groups[{dimension, one.kept, elements[element].group}];
+    is_dropped[element] = one.group == 0;
+    elements[element].group = one.group;
   }
   std::size_t i = 0;
   std::erase_if(elements, [&](const Element&) { return is_dropped[i++]; });
@@ -57,38 +83,39 @@ void leave_one_of_each(const par::Comm& comm, int dimension, const std::set<std:
 
 }  // namespace
 
-void leave_one_of_each(const par::Comm& comm, Parts& parts) {
-  std::map<std::pair<int, std::int64_t>, std::set<std::int64_t>> groups_of_entity;
-  for (const auto& [dimension, entity, group] : par::gather_distinct(comm, parts.entity_in_group))
+void join_copies(const par::Comm& comm, Parts& parts) {
+  std::map<std::pair<int, std::int64_t>, GroupSet> groups_of_entity;
+  std::array<GroupSet, 4> all, shared;
+  for (const auto& [dimension, entity, group] : par::gather_distinct(comm, parts.entity_in_group)) {
     groups_of_entity[{static_cast<int>(dimension), entity}].insert(group);
-  std::array<std::set<std::int64_t>, 4> shared;
-  for (const auto& [entity, groups] : groups_of_entity) {
-    if (groups.size() < 2) continue;
-    shared[static_cast<std::size_t>(entity.first)].insert(groups.begin(), groups.end());
-    if (entity.first == 2) parts.group_of_surface[entity.second] = *groups.begin();
+    all[static_cast<std::size_t>(dimension)].insert(group);
   }
-  if (!shared[2].empty()) leave_one_of_each(comm, 2, shared[2], parts.triangle, parts.in_two_groups);
-  if (!shared[3].empty()) leave_one_of_each(comm, 3, shared[3], parts.tetrahedron, parts.in_two_groups);
+  for (const auto& [entity, groups] : groups_of_entity)
+    if (groups.size() > 1) shared[static_cast<std::size_t>(entity.first)].insert(groups.begin(), groups.end());
+  if (!shared[2].empty()) join_copies(comm, 2, {all[2], shared[2]}, parts.triangle, parts);
+  if (!shared[3].empty()) join_copies(comm, 3, {all[3], shared[3]}, parts.tetrahedron, parts);
+  for (const auto& [entity, groups] : groups_of_entity)
+    if (entity.first == 2 && groups.size() > 1)
+      parts.group_of_surface[entity.second] = number_of_groups(parts, 2, groups);
 }
 
-std::vector<GroupOverlap> overlaps_of(const par::Comm& comm, const Parts& parts) {
-  struct Count {
-    GroupPair groups;
-    std::int64_t n;
-  };
-  std::vector<Count> here;
-  for (const auto& [groups, n] : parts.in_two_groups) here.push_back({groups, n});
-  std::map<GroupPair, std::int64_t> all;
-  for (const auto& [groups, n] : par::gather_few(comm, std::move(here))) all[groups] += n;
-  const auto name = [&](int dimension, std::int64_t group) {
-    return name_of_group(parts.group_name, dimension, group);
-  };
-  std::vector<GroupOverlap> result;
-  for (const auto& [groups, n] : all) {
-    const auto [dimension, kept, other] = groups;
-    result.push_back({dimension, name(dimension, kept), name(dimension, other), n});
+std::vector<mesh::Group> members_of(const Parts& parts, int dimension, std::int64_t group) {
+  std::vector<mesh::Group> groups;
+  if (const auto joint = parts.joint.find({dimension, group}); joint != parts.joint.end())
+    for (const auto member : joint->second)
+      groups.push_back({member, name_of_group(parts.group_name, dimension, member)});
+  return groups;
+}
+
+void name_joint_groups(Parts& parts) {
+  for (const auto& [joint, members] : parts.joint) {
+    std::string name;
+    for (const auto& member : members_of(parts, joint.first, joint.second))
+      name += (name.empty() ? "" : "+") + member.name;
+    const auto is_taken = [&](const auto& named) { return named.first.first == joint.first && named.second == name; };
+    while (std::any_of(parts.group_name.begin(), parts.group_name.end(), is_taken)) name += '+';
+    parts.group_name[joint] = name;
   }
-  return result;
 }
 
 }  // namespace pamr::io::gmsh

@@ -94,6 +94,8 @@ void place_names(const par::Comm& comm, Parts& parts) {
   for (const auto& triangle : parts.triangle) add(2, triangle.group);
   for (const auto& cell : parts.tetrahedron) add(3, cell.group);
   for (const auto& [group, n] : parts.n_in_group) add(group.first, group.second);
+  for (const auto& [joint, members] : parts.joint)
+    for (const auto member : members) add(joint.first, member);
   std::set<std::int64_t> found;
   for (const auto& [dimension, group] : par::gather_distinct(comm, here)) {
     parts.group_name.emplace(std::pair(static_cast<int>(dimension), group), names[group]);
@@ -150,19 +152,22 @@ std::set<std::int64_t> periodic_groups(const par::Comm& comm, const Parts& parts
 
 GmshMesh read_gmsh(const par::Comm& comm, const std::filesystem::path& file, const GmshOptions& options) {
   auto parts = read_parts(comm, file);
-  gmsh::leave_one_of_each(comm, parts);
+  gmsh::join_copies(comm, parts);
   place_names(comm, parts);
   look_for_lost_groups(comm, parts);
   restore_regions(parts);
-  const auto names = parts.group_name;
+  gmsh::name_joint_groups(parts);
+  Parts known;
+  known.group_name = parts.group_name;
+  known.joint = parts.joint;
   const auto periodic = periodic_groups(comm, parts);
-  auto overlaps = gmsh::overlaps_of(comm, parts);
   auto read = mesh_of_elements(comm, std::move(parts), source_of(file), options, [&](std::int64_t group) {
-    return mesh::Patch{.name = gmsh::name_of_group(names, 2, group),
+    return mesh::Patch{.name = gmsh::name_of_group(known.group_name, 2, group),
                        .kind = periodic.contains(group) ? mesh::periodic_kind : "",
-                       .number = group > 0 ? group : -1};
+                       .number = group > 0 && !known.joint.contains({2, group}) ? group : -1,
+                       .groups = gmsh::members_of(known, 2, group)};
   });
-  read.overlaps.insert(read.overlaps.begin(), overlaps.begin(), overlaps.end());
+  for (auto& region : read.mesh.info.regions) region.groups = gmsh::members_of(known, 3, region.number);
   return read;
 }
 

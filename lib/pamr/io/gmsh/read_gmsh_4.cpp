@@ -53,7 +53,7 @@ class Reader {
   bool is_binary_;
 };
 
-/// The physical groups of every entity that has some, by dimension and number; elements stay in the first one.
+/// The physical groups of every entity that has some, by dimension and number.
 using Groups = std::map<std::pair<int, std::int64_t>, std::set<std::int64_t>>;
 
 Groups read_entities(Reader read) {
@@ -122,6 +122,20 @@ void read_nodes(Reader read, Share share, Parts& parts) {
     read.in().fail(fmt::format("{} nodes in all blocks", parts.n_nodes), fmt::format("{}", done));
 }
 
+/// Elements of entities in several groups get one that stands for these. Names come before the entities in a file.
+void join_groups(const Groups& groups, Parts& parts) {
+  for (const int dimension : {2, 3}) {
+    std::set<std::int64_t> taken;
+    std::set<std::set<std::int64_t>> sets;
+    for (const auto& [entity, all] : groups) {
+      if (entity.first != dimension) continue;
+      taken.insert(all.begin(), all.end());
+      sets.insert(all);
+    }
+    add_joint_groups(parts, dimension, sets, std::move(taken));
+  }
+}
+
 void read_elements(Reader read, Share share, const Groups& groups, Parts& parts) {
   const auto n_blocks = read.count(4, "blocks of elements");
   parts.n_elements = read.count(4, "elements");
@@ -140,7 +154,8 @@ void read_elements(Reader read, Share share, const Groups& groups, Parts& parts)
     if (n_nodes == 0) read.in().fail("an element type of Gmsh", fmt::format("{}", type));
     if (n < 0 || n > parts.n_elements - done) read.in().fail("a number of elements that is left", fmt::format("{}", n));
     const auto known = groups.find({static_cast<int>(dimension), entity});
-    const auto group = known != groups.end() ? *known->second.begin() : -entity;
+    const auto group =
+        known != groups.end() ? number_of_groups(parts, static_cast<int>(dimension), known->second) : -entity;
     const auto part = part_of_block(own, done, n);
     const auto width = static_cast<std::size_t>(1 + n_nodes);
     read.skip(part.begin, width, "an element");
@@ -155,10 +170,6 @@ void read_elements(Reader read, Share share, const Groups& groups, Parts& parts)
       read.end_line();
     }
     read.skip(n - part.end, width, "an element");
-    if (known != groups.end() && part.count() > 0 &&
-        (type == element_type::triangle || type == element_type::tetrahedron))
-      for (const auto other : known->second)
-        if (other != group) parts.in_two_groups[{static_cast<int>(dimension), group, other}] += part.count();
     if (known != groups.end() && part.count() > 0 && (type == element_type::point || type == element_type::line))
       for (const auto any : known->second) parts.n_in_group[{static_cast<int>(dimension), any}] += part.count();
     done += n;
@@ -195,7 +206,7 @@ Parts read_parts_4(TextCursor& in, bool is_binary, Share share) {
     if (name == "PhysicalNames")
       read_group_names(in, parts);
     else if (name == "Entities")
-      groups = read_entities(Reader(in, is_binary));
+      join_groups(groups = read_entities(Reader(in, is_binary)), parts);
     else if (name == "Nodes")
       read_nodes(Reader(in, is_binary), share, parts);
     else if (name == "Elements")
@@ -208,7 +219,7 @@ Parts read_parts_4(TextCursor& in, bool is_binary, Share share) {
     return true;
   });
   for (const auto& [entity, all] : groups)
-    if (entity.first == 2) parts.group_of_surface[entity.second] = *all.begin();
+    if (entity.first == 2) parts.group_of_surface[entity.second] = number_of_groups(parts, 2, all);
   return parts;
 }
 

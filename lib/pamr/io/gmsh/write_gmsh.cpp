@@ -7,10 +7,12 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "pamr/base/error.hpp"
@@ -99,24 +101,50 @@ struct OfSecondOrder {
   }
 };
 
+/// Physical groups of a file, and those of each part: of a patch or region itself, or the user's that it is in.
+class Physicals {
+ public:
+  std::vector<std::string> name;
+  std::vector<std::int64_t> number;
+  std::vector<std::vector<std::size_t>> of_part;
+
+  /// Adds a part; the groups of several parts are one if they have the same number and name.
+  void add(const mesh::Group& own, const std::vector<mesh::Group>& groups) {
+    auto& physicals = of_part.emplace_back();
+    for (const auto& group : groups.empty() ? std::vector{own} : groups) {
+      const auto [place, is_new] = place_of_.try_emplace({group.number, group.name}, name.size());
+      if (is_new) {
+        name.push_back(group.name);
+        number.push_back(group.number);
+      }
+      physicals.push_back(place->second);
+    }
+  }
+
+ private:
+  std::map<std::pair<std::int64_t, std::string>, std::size_t> place_of_;
+};
+
 /// The physical volume of a region: its number, but Gmsh's numbers are positive, and what has none is in no group, which
 /// not all programs expect. Such regions get the lowest free numbers, and names that `read_gmsh` knows.
 std::map<std::int64_t, mesh::Region> volumes_of(const std::vector<std::int64_t>& regions, const mesh::MeshInfo& info) {
   std::map<std::int64_t, mesh::Region> volumes;
   std::set<std::int64_t> taken(regions.begin(), regions.end());
-  for (const auto& region : info.regions) taken.insert(region.number);
+  for (const auto& region : info.regions) {
+    taken.insert(region.number);
+    for (const auto& group : region.groups) taken.insert(group.number);
+    if (region.number > 0) volumes[region.number] = region;
+  }
   std::int64_t next = 1;
   for (const auto region : regions) {
-    const auto name = mesh::name_of_region(info, region);
     if (region > 0) {
-      volumes[region] = {region, name};
+      volumes.try_emplace(region, mesh::Region{region, ""});
       continue;
     }
+    const auto name = mesh::name_of_region(info, region);
     while (!taken.insert(next).second) ++next;
     volumes[region] = {next, name.empty() ? fmt::format("{}{}", gmsh::unnamed_region, region) : name};
   }
-  for (const auto& region : info.regions)
-    if (region.number > 0) volumes.emplace(region.number, region);
   return volumes;
 }
 
@@ -164,15 +192,21 @@ class Writer {
         out_(comm, file),
         rows_(rows_in_order(comm, mesh, second_order, options.interfaces)),
         elements_(collect<Order>(comm, mesh, rows_)) {
-    std::vector<std::string> regions;
-    for (const auto& [region, volume] : elements_.volume) {
-      if (volume.name.empty()) continue;
-      regions.push_back(volume.name);
-      region_number_.push_back(volume.number);
+    for (std::size_t p = 0; p < rows_.group_name.size(); ++p) {
+      const bool is_patch = p < mesh.info.patches.size();
+      surfaces_.add({is_patch ? rows_.patch_number[p] : -1, rows_.group_name[p]},
+                    is_patch ? mesh.info.patches[p].groups : std::vector<mesh::Group>());
     }
-    patch_name_ = physical_names("patch", rows_.group_name, options.remark);
-    patch_number_ = patch_numbers(rows_.group_name, "physical_", 1, rows_.patch_number);
-    region_name_ = physical_names("region", regions, options.remark);
+    surfaces_.number = patch_numbers(surfaces_.name, "physical_", 1, surfaces_.number);
+    surfaces_.name = physical_names("patch", surfaces_.name, options.remark);
+    for (const auto& [region, volume] : elements_.volume) volumes_.add({volume.number, volume.name}, volume.groups);
+    std::vector<std::string> regions;
+    std::copy_if(volumes_.name.begin(), volumes_.name.end(), std::back_inserter(regions),
+                 [](const std::string& name) { return !name.empty(); });
+    regions = physical_names("region", regions, options.remark);
+    auto next = regions.begin();
+    for (auto& name : volumes_.name)
+      if (!name.empty()) name = *next++;
     for (const auto& patch : elements_.triangle)
       n_triangles_.push_back(comm.sum(static_cast<std::int64_t>(patch.size())));
     n_elements_ = mesh.info.n_global_cells;
@@ -180,7 +214,13 @@ class Writer {
   }
 
   void write_2() {
-    const auto most = std::max(n_elements_, rows_.n_nodes);
+    // elements are written once for each of their groups
+    std::int64_t n_cells = 0;
+    for (const auto region : elements_.region.of_cell) n_cells += std::ssize(groups_of_region(region));
+    auto n_elements = comm_.sum(n_cells);
+    for (std::size_t p = 0; p < n_triangles_.size(); ++p)
+      n_elements += std::ssize(surfaces_.of_part[p]) * n_triangles_[p];
+    const auto most = std::max(n_elements, rows_.n_nodes);
     if (binary_ && most > std::numeric_limits<std::int32_t>::max())
       throw Error(fmt::format("Gmsh format 2.2, binary: expected at most 2^31 - 1 nodes and elements, found {}", most));
     begin("2.2");
@@ -191,23 +231,26 @@ class Writer {
       put(nodes, rows_.position[i]);
     }
     end(nodes, "Nodes");
-    section("Elements", fmt::format("{}\n", n_elements_));
+    section("Elements", fmt::format("{}\n", n_elements));
     std::int64_t done = 0;
     for (std::size_t p = 0; p < elements_.triangle.size(); ++p) {
       Record part(binary_);
       const auto& triangles = elements_.triangle[p];
-      auto number = done + comm_.exclusive_sum(static_cast<std::int64_t>(triangles.size()));
+      const auto n_copies = std::ssize(surfaces_.of_part[p]);
+      auto number = done + n_copies * comm_.exclusive_sum(std::ssize(triangles));
       const auto entity = static_cast<std::int64_t>(p) + 1;
       for (const auto& face : triangles)
-        element_2(part, ++number, Order::triangle_type, patch_number_[p], entity, face);
-      if (n_triangles_[p] > 0) block_2(part, Order::triangle_type, n_triangles_[p]);
-      done += n_triangles_[p];
+        for (const auto group : surfaces_.of_part[p])
+          element_2(part, ++number, Order::triangle_type, surfaces_.number[group], entity, face);
+      if (n_triangles_[p] > 0) block_2(part, Order::triangle_type, n_copies * n_triangles_[p]);
+      done += n_copies * n_triangles_[p];
     }
     Record cells(binary_);
+    auto number = done + comm_.exclusive_sum(n_cells);
     for (std::size_t c = 0; c < rows_.cell_to_node.size(); ++c)
-      element_2(cells, done + rows_.first_cell + static_cast<GlobalId>(c) + 1, Order::cell_type,
-                elements_.volume.at(elements_.region.of_cell[c]).number, 1, Order::cell(rows_, c));
-    if (mesh_.info.n_global_cells > 0) block_2(cells, Order::cell_type, mesh_.info.n_global_cells);
+      for (const auto group : groups_of_region(elements_.region.of_cell[c]))
+        element_2(cells, ++number, Order::cell_type, volumes_.number[group], 1, Order::cell(rows_, c));
+    if (n_elements > done) block_2(cells, Order::cell_type, n_elements - done);
     end(Record(binary_), "Elements");
     out_.commit();
   }
@@ -228,12 +271,23 @@ class Writer {
     std::string text = "$MeshFormat\n" + version + (binary_ ? " 1 8\n" : " 0 8\n");
     const std::int32_t one = 1;
     if (binary_) text.append(reinterpret_cast<const char*>(&one), sizeof(one)) += '\n';
-    text += fmt::format("$EndMeshFormat\n$PhysicalNames\n{}\n", patch_name_.size() + region_name_.size());
-    for (std::size_t p = 0; p < patch_name_.size(); ++p)
-      text += fmt::format("2 {} \"{}\"\n", patch_number_[p], patch_name_[p]);
-    for (std::size_t r = 0; r < region_name_.size(); ++r)
-      text += fmt::format("3 {} \"{}\"\n", region_number_[r], region_name_[r]);
-    out_.append_once(text + "$EndPhysicalNames\n");
+    std::string names;
+    std::size_t n_names = 0;
+    const auto list = [&](int dimension, const Physicals& groups) {
+      for (std::size_t i = 0; i < groups.name.size(); ++i) {
+        if (groups.name[i].empty()) continue;
+        names += fmt::format("{} {} \"{}\"\n", dimension, groups.number[i], groups.name[i]);
+        ++n_names;
+      }
+    };
+    list(2, surfaces_);
+    list(3, volumes_);
+    out_.append_once(text + fmt::format("$EndMeshFormat\n$PhysicalNames\n{}\n{}$EndPhysicalNames\n", n_names, names));
+  }
+  /// Indices of the physical volumes of a region.
+  const std::vector<std::size_t>& groups_of_region(std::int64_t region) const {
+    return volumes_
+        .of_part[static_cast<std::size_t>(std::distance(elements_.volume.begin(), elements_.volume.find(region)))];
   }
   void section(const std::string& name, const std::string& head) { out_.append_once("$" + name + "\n" + head); }
   void end(const Record& record, const std::string& name) {
@@ -279,17 +333,17 @@ class Writer {
       record.large(static_cast<std::int64_t>(elements_.region.all.size()));
       record.end_line();
       const std::array<double, 6> box{low.x, low.y, low.z, high.x, high.y, high.z};
-      const auto entity = [&](std::size_t index, std::int64_t physical) {
+      const auto entity = [&](std::size_t index, const Physicals& all, const std::vector<std::size_t>& groups) {
         record.small(static_cast<std::int64_t>(index) + 1);
         for (const double x : box) record.real(x);
-        record.large(physical == 0 ? 0 : 1);
-        if (physical != 0) record.small(physical);
+        record.large(std::ssize(groups));
+        for (const auto group : groups) record.small(all.number[group]);
         record.large(0);
         record.end_line();
       };
-      for (std::size_t p = 0; p < n_triangles_.size(); ++p) entity(p, patch_number_[p]);
+      for (std::size_t p = 0; p < n_triangles_.size(); ++p) entity(p, surfaces_, surfaces_.of_part[p]);
       for (std::size_t r = 0; r < elements_.region.all.size(); ++r)
-        entity(r, elements_.volume.at(elements_.region.all[r]).number);
+        entity(r, volumes_, groups_of_region(elements_.region.all[r]));
     }
     end(record, "Entities");
   }
@@ -362,10 +416,8 @@ class Writer {
   SharedOutput out_;
   RowsInOrder rows_;
   Elements<Order> elements_;
-  std::vector<std::string> patch_name_, region_name_;  ///< as they are written; of patches and interfaces, of regions
-  std::vector<std::int64_t> patch_number_;             ///< of patches and interfaces, in the file
-  std::vector<std::int64_t> region_number_;            ///< of those that have names, in the file
-  std::vector<std::int64_t> n_triangles_;              ///< of each patch and interface, all ranks
+  Physicals surfaces_, volumes_;           ///< of patches and interfaces, of `elements_.volume`
+  std::vector<std::int64_t> n_triangles_;  ///< of each patch and interface, all ranks
   std::int64_t n_elements_ = 0;
 };
 

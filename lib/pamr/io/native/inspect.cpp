@@ -112,9 +112,10 @@ void Inspector::pamr() {
   for (const auto* name : {"surfaces", "provenance"})
     if (has_link(std::string("/PAMR/") + name)) text(std::string("/PAMR/") + name);
   if (has_group("/PAMR/patches"))
-    for (const auto* name : {"names", "kinds", "surfaces"})
+    for (const auto* name : {"names", "kinds", "surfaces", "groups"})
       if (has_link(std::string("/PAMR/patches/") + name)) text(std::string("/PAMR/patches/") + name);
-  if (has_group("/PAMR/patches") && has_link(path::patch_numbers)) array(path::patch_numbers, max_patch_numbers);
+  for (const auto* path : {path::patch_numbers, path::patch_conditions})
+    if (has_group("/PAMR/patches") && has_link(path)) array(path, max_patch_numbers);
   if (has_group(path::boundary)) {
     array(path::boundary_triangles, 0);
     array(path::boundary_patch, 0);
@@ -122,6 +123,7 @@ void Inspector::pamr() {
   if (has_group("/PAMR/regions")) {
     array("/PAMR/regions/numbers", max_regions);
     text("/PAMR/regions/names");
+    if (has_link(path::region_groups)) text(path::region_groups);
   }
   if (has_group("/PAMR/surface_data"))
     for (const auto& name : names_in("/PAMR/surface_data")) {

@@ -5,8 +5,11 @@
 
 #include <algorithm>
 #include <bit>
+#include <charconv>
 #include <limits>
 #include <set>
+#include <string_view>
+#include <system_error>
 
 #include "pamr/base/error.hpp"
 #include "pamr/io/native/checksum.hpp"
@@ -18,6 +21,29 @@
 namespace pamr::io {
 
 namespace {
+
+/// Takes a number and the blank behind it from the beginning of a text.
+bool take_number(std::string_view& text, std::int64_t& value) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end == text.data() + text.size() || *end != ' ') return false;
+  text.remove_prefix(static_cast<std::size_t>(end - text.data()) + 1);
+  return true;
+}
+
+/// Adds the groups of a text that `text_of_groups` made; false for another one.
+bool read_groups(std::string_view text, std::vector<mesh::Group>& groups) {
+  while (!text.empty()) {
+    std::int64_t number = 0, length = 0;
+    if (!take_number(text, number) || !take_number(text, length)) return false;
+    if (number < -1 || length < 1 || length > std::ssize(text)) return false;
+    const auto name = text.substr(0, static_cast<std::size_t>(length));
+    if (!is_clean_text(name, "")) return false;
+    groups.push_back({number, std::string(name)});
+    text.remove_prefix(name.size());
+    if (text.starts_with(' ')) text.remove_prefix(1);
+  }
+  return true;
+}
 
 std::string to_text(const std::vector<std::int64_t>& shape, const char* between = " x ") {
   std::string text;
@@ -229,12 +255,30 @@ class Checker {
       layout_.info.patches.push_back({names[p], kinds[p]});
     }
     layout_.surface_of_patch = std::move(surfaces);
-    const auto* numbers = catalog_->find_array(path::patch_numbers);
+    patch_numbers(path::patch_numbers, &mesh::Patch::number);
+    patch_numbers(path::patch_conditions, &mesh::Patch::condition);
+    groups(path::patch_groups, layout_.info.patches);
+  }
+
+  template <class Part>
+  void groups(const char* path, std::vector<Part>& parts) {
+    const auto texts = text_list(path);
+    if (texts.empty()) return;
+    if (texts.size() != parts.size())
+      fail(path, fmt::format("{} texts, as there are names", parts.size()), fmt::format("{}", texts.size()));
+    for (std::size_t i = 0; i < parts.size(); ++i)
+      if (!read_groups(texts[i], parts[i].groups))
+        fail(path, "number, length and name of each group", fmt::format("another text in row {}", i));
+  }
+
+  void patch_numbers(const char* path, std::int64_t mesh::Patch::*number) {
+    const auto* numbers = catalog_->find_array(path);
+    auto& patches = layout_.info.patches;
     if (numbers == nullptr) return;
-    if (numbers->values.size() != names.size())
-      fail(path::patch_numbers, fmt::format("{} numbers, one for each patch", names.size()),
+    if (numbers->values.size() != patches.size())
+      fail(path, fmt::format("{} numbers, one for each patch", patches.size()),
            fmt::format("{}", numbers->values.size()));
-    for (std::size_t p = 0; p < names.size(); ++p) layout_.info.patches[p].number = numbers->values[p];
+    for (std::size_t p = 0; p < patches.size(); ++p) patches[p].*number = numbers->values[p];
   }
 
   /// The catalog has both datasets or none.
@@ -264,6 +308,7 @@ class Checker {
         fail(path::region_numbers, "ascending numbers", fmt::format("{} after {}", numbers[r], numbers[r - 1]));
       layout_.info.regions.push_back({numbers[r], names[r]});
     }
+    groups(path::region_groups, layout_.info.regions);
   }
 
   void inner_patches() {

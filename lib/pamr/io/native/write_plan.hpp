@@ -56,7 +56,11 @@ struct WritePlan {
   void add_mesh(int format);
   void add_field(const mesh::Field& field, bool on_cells);
   void add_level();
-  void add_patch_numbers();
+  /// One number of each patch, if any has one.
+  void add_patch_numbers(const char* path, std::int64_t mesh::Patch::*number);
+  /// The groups of each patch or region, if any is in several.
+  template <class Part>
+  void add_groups(const char* path, const std::vector<Part>& parts);
   void add_regions();
   void add_level0(const mesh::Level0Map& map);
   void add_texts(const std::string& provenance);

@@ -43,6 +43,7 @@ std::string kind_of_condition(std::int64_t condition) {
     case 4020:
     case 4030:
       return "wall";
+    case 3000:
     case 6661:
     case 6662:
     case 6663:
@@ -94,7 +95,9 @@ std::map<std::int64_t, mesh::Patch> read_mapbc(const par::Comm& comm, const std:
       const auto condition = in.integer_in_line("a boundary condition");
       const auto name = name_in(in.line(), number);
       if (!is_clean_text(name, "")) in.fail("the name of a surface in UTF-8 without control characters", "another");
-      if (!patches.emplace(number, mesh::Patch{name, kind_of_condition(condition)}).second)
+      if (!patches
+               .emplace(number, mesh::Patch{.name = name, .kind = kind_of_condition(condition), .condition = condition})
+               .second)
         in.fail("each surface once", fmt::format("{} again", number));
     }
   });
@@ -104,9 +107,12 @@ std::map<std::int64_t, mesh::Patch> read_mapbc(const par::Comm& comm, const std:
 std::string mapbc_text(const mesh::MeshInfo& info, const std::vector<std::int64_t>& number,
                        const std::vector<int>& axis) {
   auto text = fmt::format("{}\n", info.patches.size());
-  for (std::size_t p = 0; p < info.patches.size(); ++p)
-    text +=
-        fmt::format("{} {} {}\n", number[p], condition_of_kind(info.patches[p].kind, axis[p]), info.patches[p].name);
+  for (std::size_t p = 0; p < info.patches.size(); ++p) {
+    const auto& patch = info.patches[p];
+    const bool is_kept = patch.condition != 0 && kind_of_condition(patch.condition) == patch.kind;
+    text += fmt::format("{} {} {}\n", number[p], is_kept ? patch.condition : condition_of_kind(patch.kind, axis[p]),
+                        patch.name);
+  }
   return text;
 }
 

@@ -23,7 +23,8 @@ std::string kind_of_condition(std::int64_t condition);
 /// The condition for a kind: `axis` 0 to 2 for a patch in a plane of constant x, y or z, else -1. 0 for no kind.
 std::int64_t condition_of_kind(const std::string& kind, int axis);
 
-/// The text of a file. `number` and `axis`: of each patch.
+/// The text of a file: patches keep the condition that they came with unless they have got another kind. `number` and
+/// `axis`: of each patch.
 std::string mapbc_text(const mesh::MeshInfo& info, const std::vector<std::int64_t>& number,
                        const std::vector<int>& axis);
 
