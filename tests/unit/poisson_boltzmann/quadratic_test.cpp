@@ -357,9 +357,6 @@ TEST(GivenCharge, OnACurvedWallHasBarsThatHold) {
           ASSERT_TRUE(goal.error_bar) << goal.no_error_bar;
           EXPECT_LE(std::abs(error), *goal.error_bar) << order << goal.goal.name << c.outside << level;
           EXPECT_LE(*goal.error_bar, 0.1 * std::abs(exact[g])) << order << goal.goal.name << c.outside << level;
-          std::printf("ZZ order %s level %d %s exact %.8g value %.8g corrected %.8g bar %.3g err/bar %.3f\n",
-                      order.c_str(), level, goal.goal.name.c_str(), exact[g], *goal.value,
-                      *goal.value + goal.correction, *goal.error_bar, std::abs(error) / *goal.error_bar);
         }
       }
 }
@@ -422,8 +419,6 @@ TEST(FarField, IsInTheBarWithWhatItLacksToTheLiquidBeyond) {
     const auto& goal = analysis.goals[0];
     const double error = std::abs(*goal.value + goal.correction - 4 * std::numbers::pi * c.charge);
     EXPECT_LE(error, *goal.error_bar) << c.potential << c.is_linear << c.has_sphere;
-    std::printf("ZZ far %g %d %d error %.3g bar %.3g box %.3g\n", c.potential, c.is_linear, c.has_sphere, error,
-                *goal.error_bar, goal.of_box);
     if (c.is_linear && c.has_sphere)
       EXPECT_LT(goal.of_box, 1e-3 * *goal.value);  // the condition is exact
     else
