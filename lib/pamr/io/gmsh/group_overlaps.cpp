@@ -108,13 +108,15 @@ std::vector<mesh::Group> members_of(const Parts& parts, int dimension, std::int6
 }
 
 void name_joint_groups(Parts& parts) {
-  for (const auto& [joint, members] : parts.joint) {
+  for (const auto& joint : parts.joint) {
+    const auto [dimension, group] = joint.first;
     std::string name;
-    for (const auto& member : members_of(parts, joint.first, joint.second))
-      name += (name.empty() ? "" : "+") + member.name;
-    const auto is_taken = [&](const auto& named) { return named.first.first == joint.first && named.second == name; };
+    for (const auto& member : members_of(parts, dimension, group)) name += (name.empty() ? "" : "+") + member.name;
+    const auto is_taken = [&name, d = dimension](const auto& named) {
+      return named.first.first == d && named.second == name;
+    };
     while (std::any_of(parts.group_name.begin(), parts.group_name.end(), is_taken)) name += '+';
-    parts.group_name[joint] = name;
+    parts.group_name[joint.first] = name;
   }
 }
 

@@ -33,13 +33,19 @@ GasContents contents_of(const Flow& flow) {
     sums[2 * k + 1] = wide[k].high;
   }
   flow.comm().sum_in_place(sums);
-  const auto total = [&](std::size_t k) { return WideSum{sums[2 * k], sums[2 * k + 1]}; };
+  const auto total = [&](std::size_t k) { return WideSum{sums[2 * k], sums[2 * k + 1]}.settled(); };
   return {{number, number + species.size()}, {total(0), total(1), total(2)}, total(3), total(4), total(5)};
 }
 
 std::vector<std::int64_t> total_fluxes(const par::Comm& comm, const FluxTally& flux) {
   auto words = flux.words();
   comm.sum_in_place(words);
+  for (std::size_t row = 0; row < words.size(); row += FluxTally::words_of_row)
+    for (std::size_t k = row + 1; k < row + FluxTally::words_of_row; k += 2) {
+      const auto sum = WideSum{words[k], words[k + 1]}.settled();
+      words[k] = sum.low;
+      words[k + 1] = sum.high;
+    }
   return words;
 }
 

@@ -26,6 +26,8 @@ struct WideSum {
     high -= other.high;
     return *this;
   }
+  /// The same sum with a low word from 0 to `low_bits`: one pair of words for each sum, however it was added up.
+  WideSum settled() const { return {low & low_bits, high + (low >> n_low)}; }
   double value() const {
     return static_cast<double>(static_cast<long double>(high) * (low_bits + 1) + static_cast<long double>(low));
   }
