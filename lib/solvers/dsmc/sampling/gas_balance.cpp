@@ -50,8 +50,8 @@ void GasBalance::add(const GasContents& before_it, const GasContents& after_it, 
   }
   if (n_intervals++ == 0) before = sum_of(before_it.n);
   after = sum_of(after_it.n);
-  const double n =
-      static_cast<double>(sum_of(before_it.n) + after + n_passed + n_collisions / collisions_of_a_rounding);
+  const std::int64_t n_rounded_by_collisions = n_collisions / collisions_of_a_rounding;
+  const double n = static_cast<double>(sum_of(before_it.n) + after + n_passed + n_rounded_by_collisions);
   const auto share = [&](const WideSum& sum) { return allowed * std::fabs(sum.value()) / std::max(1.0, n); };
   for (std::size_t k = 0; k < 3; ++k) momentum = std::max(momentum, share(rest[k]));
   energy = std::max(energy, share(rest[3]));
