@@ -36,7 +36,7 @@ std::string in_words(std::string name) {
 }
 
 /// The head of a column of lengths, areas or volumes.
-std::string with_unit(std::string head, const ReportedMesh& mesh, const char* power = "") {
+std::string with_unit(const std::string& head, const ReportedMesh& mesh, const char* power = "") {
   const auto& unit = mesh.view.length_unit;
   return unit.empty() || unit == "1" ? head : head + ", " + unit + power;
 }
