@@ -153,7 +153,7 @@ void note_if_finished(cli::Session& session, const Options& o, const dsmc::Compu
                               has_all ? "the case asks for (sampling in [run])" : "--steps asks for"));
 }
 
-/// What passes patches and planes, and whether that is what the gas has lost.
+/// Prints the fluxes through patches and planes and the balance.
 void show_fluxes(cli::Session& session, const dsmc::Computation& computation) {
   for (const auto& line : flux_lines(computation)) session.summary(line);
   session.summary(balance_line(computation.averaging().state().balance));

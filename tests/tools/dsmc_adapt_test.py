@@ -65,7 +65,7 @@ def test_a_mesh_follows_a_shock_with_the_same_bytes_on_any_ranks():
     assert adaptation["times"] == 5 and adaptation["removed_particles"] == 0, adaptation
     assert adaptation["octets_gone"] > 0 and 600 < adaptation["max_cells"] <= 900, adaptation
     assert report["lost_particles"] == 0
-    # What adapting clones or removes is not in the balance of the intervals between.
+    # Particles that adaptation clones or removes do not count in the balance.
     assert report["balance"]["holds"] and report["balance"]["particles"]["unexplained"] == 0, report["balance"]
     with h5py.File("w-0000060.hdf") as last, h5py.File("out.hdf") as out:
         assert np.array_equal(last["VTKHDF/CellData/n"][:], out["VTKHDF/CellData/n"][:])  # the averages of the last window

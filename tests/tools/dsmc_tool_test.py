@@ -197,7 +197,7 @@ def test_planes_are_counted_and_bad_ones_refused():
     report = compute(write("case.toml", CUBE.replace(plane, section)), mesh, "a.hdf", "--checkpoint", "a.ck", "--json", "-", "--quiet").json
     found = report["fluxes"]["planes"]["section"]
     assert found["along"]["molecules"]["value"] > 0 and found["against"]["energy"]["value"] > 0, found
-    # What is counted belongs to the case.
+    # Planes are part of the case: another set is refused.
     refuses("pamr-dsmc", write("case.toml", CUBE), "--mesh", mesh, "-o", "x.hdf", "--restart", "a.ck",
             says=("plane.section", "plane.disk"), creates="x.hdf")
 

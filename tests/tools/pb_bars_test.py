@@ -98,7 +98,7 @@ def test_a_bar_of_first_order_holds_the_truth_between_plates_or_is_withheld():
         assert (best["error"], best["error_withheld"]) == (goals_of(report)["charge"]["error_bar"],
                                                            goals_of(report)["charge"]["error_withheld"])
         assert report["best"]["zmax"]["charge"]["error"] is None and "error_withheld" not in report["best"]["zmax"]["charge"]
-        # What is no goal has its warning in the line of the value.
+        # A charge that is not a goal has its warning in the line of its value.
         line = printed.out.split("patch zmax: area")[1].split("best charge")[1].split("\n  best")[0]
         assert ("too large: cells" in " ".join(line.split())) == (report["layers"]["zmax"]["ratio"] > 0.2), line
         assert report["beyond_error_bars"] is None and BOX not in printed.out

@@ -8,7 +8,7 @@
 
 namespace pamr::report {
 
-/// What a page shows before anybody has chosen anything.
+/// The view with which a page opens.
 struct FirstView {
   std::string show;                 ///< "boundary", or the axis of a section through the middle: "y"
   std::string color;                ///< "level", or "patch" when all cells have the same level

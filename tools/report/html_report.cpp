@@ -44,7 +44,7 @@ std::string data_elements(const std::vector<ReportedMesh>& meshes) {
   return text;
 }
 
-/// What the scripts share with the program.
+/// Constants that the scripts share with the program.
 nlohmann::json constants(const std::vector<ReportedMesh>& meshes, const FirstView& first) {
   return {{"TET_EDGES", mesh::tet::edge_to_corner},
           {"TET_FACES", mesh::tet::face_to_corner},
@@ -77,7 +77,7 @@ std::string legend(const std::vector<ReportedMesh>& meshes, const FirstView& fir
   return text + "</div>";
 }
 
-/// What the still picture shows, in words.
+/// Description of the still picture.
 std::string words_of(const std::vector<ReportedMesh>& meshes, const FirstView& first) {
   std::string text = first.show == "y" ? "Section through the middle of " : "Boundary of ";
   for (const auto mesh : first_meshes(meshes)) text += (mesh == 0 ? "" : " and of ") + meshes[mesh].numbers.file;

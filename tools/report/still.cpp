@@ -70,7 +70,7 @@ struct Triangle {
   int inner = -1;  ///< the corner opposite an edge that is not drawn
 };
 
-/// What is beyond a plane across `cut_axis` is not drawn.
+/// Colors and depths of the samples.
 struct Canvas {
   int columns = width * fineness, rows = height * fineness;
   std::vector<Rgb> color = std::vector<Rgb>(at(columns) * at(rows));

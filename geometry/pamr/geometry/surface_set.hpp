@@ -36,7 +36,8 @@ struct SurfaceSet {
   /// that both have.
   void append(const SurfaceSet& other);
 
-  /// What the files of triangulated surfaces have that is left out, each beginning with the name of the surface.
+  /// Remarks on data that the files of triangulated surfaces hold and that are left out; each begins with the name of its
+  /// surface.
   std::vector<std::string> remarks() const;
 };
 

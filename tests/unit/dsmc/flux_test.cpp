@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What passes patches and planes: counts against straight lines, rates against kinetic theory, and the balance.
+// Fluxes through patches and planes: counts against straight lines, rates against kinetic theory, and the balance.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -131,7 +131,7 @@ TEST(Fluxes, AreThoseOfTheUnfoldedStraightLinesInABoxOfMirrorsAndInAPeriodicOne)
   }
 }
 
-/// What passes an area of 1 along `normal` in a uniform gas, a second: molecules, momentum, energy.
+/// Flux of a uniform gas through an area of 1 m2 along `normal`: molecules, momentum, energy, per second.
 /// Source: G. A. Bird, Molecular Gas Dynamics and the Direct Simulation of Gas Flows, 1994, section 4.2.
 FluxRate kinetic_flux(const Stream& gas, const Species& species, Vec3 normal) {
   const double c = most_probable_speed(gas.temperature, species.mass), along = dot(gas.velocity, normal);

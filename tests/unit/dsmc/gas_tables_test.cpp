@@ -18,7 +18,7 @@ Gas gas_of(const std::string& text) { return read_gas(parse_toml(text, "case.tom
 
 Gas only(const std::string& name) { return gas_of("[gas]\nfractions = { " + name + " = 1.0 }\n"); }
 
-/// What is said of a case of this text.
+/// The error message for a case with this text.
 std::string refusal(const std::string& text) {
   try {
     const auto file = parse_toml(text, "case.toml");

@@ -2,7 +2,7 @@
 // Reads what pack.cpp wrote: base 64, deflated, bytes of the numbers plane by plane.
 "use strict";
 
-// What html_report.cpp shares with the scripts.
+// Constants of html_report.cpp.
 const {TET_EDGES, TET_FACES, PATCH_COLORS, LEVEL_COLORS, FIRST} = JSON.parse(
   document.querySelector("script.constants").textContent);
 

@@ -223,7 +223,7 @@ void read_element(Body& body, const Element& element, std::int64_t n_points, Tri
   }
 }
 
-/// What an element has beside the points and faces of a surface, as "nx, ny of 8 points" or "7 elements 'edge'".
+/// Properties of an element that are neither points nor faces of a surface, as "nx, ny of 8 points" or "7 elements 'edge'".
 std::string rest_of(const Element& element) {
   const bool is_vertex = element.name == "vertex";
   if (element.count == 0) return {};

@@ -67,7 +67,7 @@ struct Gas {
 /// Whether a temperature (K) is one at which the vibration of molecules and chemistry, which are not modeled, matter: the
 /// gas has molecules of two or more atoms, and it is above 2,500 K. Local.
 bool lacks_vibration(const Gas& gas, double temperature);
-/// What the tool says of that.
+/// Text of the warning about it.
 inline constexpr const char* without_vibration =
     "above 2,500 K molecules vibrate and react, which is not modeled: the real gas is cooler and has more atoms";
 

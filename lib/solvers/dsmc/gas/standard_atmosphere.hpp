@@ -8,7 +8,7 @@
 
 namespace pamr::dsmc {
 
-/// Where `standard_air` is defined: geometric altitude, m.
+/// Geometric altitudes for which `standard_air` is defined, m.
 inline constexpr NumberRange altitudes{80e3, 200e3};
 /// The gases that it has, each of which is one of `known_gases`.
 inline constexpr std::array<std::string_view, 5> air_species{"N2", "O2", "O", "Ar", "He"};

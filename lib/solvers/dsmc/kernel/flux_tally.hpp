@@ -22,7 +22,7 @@ class FluxTally {
     out,  ///< out of the gas; of a plane: along its normal
     in
   };
-  /// What has passed one way.
+  /// Sums over the particles of one species that crossed a surface in one direction.
   struct Row {
     std::int64_t n = 0;             ///< particles
     std::array<WideSum, 4> sums{};  ///< momentum, energy; units of `SurfaceTally`
@@ -46,7 +46,7 @@ class FluxTally {
     sums.momentum[2] += SurfaceTally::fixed(unit.momentum * velocity.z);
     sums.energy += SurfaceTally::fixed(unit.translation * geometry::squared_norm(velocity) + unit.rotation * rotation);
   }
-  /// Where a surface's row is.
+  /// Index of the row of a surface, a species and a direction.
   static std::size_t row_of(std::size_t surface, std::size_t species, Way way, std::size_t n_species) {
     return 2 * (surface * n_species + species) + static_cast<std::size_t>(way);
   }

@@ -57,8 +57,8 @@ class Averaging {
   bool is_window_full(std::uint64_t steps_done) const;
   /// Averages and sums on walls begin anew, on the flow's domain as it is now. Local.
   void begin_window(Flow& flow);
-  /// What is in the gas has changed by other means than steps: the balance goes on from what is there before the next
-  /// one.
+  /// To be called when the gas was changed by something else than a step: the balance then starts from the contents
+  /// before the next step.
   void forget_contents() { state_.contents = {}; }
   /// Ends averaging that has too few steps for a block, so that what there is counts, and compares the contents of the
   /// gas with what has passed the patches until now. Call it once, after the last step. Collective.
@@ -76,8 +76,8 @@ class Averaging {
   /// True while nobody knows when averages begin.
   bool waits_for_steady_flow() const { return !state_.sampling && !schedule_.transient; }
   Results results() const;
-  /// What passes a surface (patches, then planes) in a second, with the errors of `flux_groups`. `species` below 0:
-  /// all. Local.
+  /// Rates of molecules, momentum and energy through a surface (patches first, then planes), with the errors of
+  /// `flux_groups`. `species` below 0: all. Local.
   SurfaceFlux flux(std::size_t surface, int species, std::size_t n_species) const;
   Grouping flux_groups() const;
   std::int64_t block_steps() const { return state_.block_steps; }

@@ -26,7 +26,7 @@ nlohmann::json report_of(const Computation& computation, const Outcome& outcome)
 /// The same in one line: steps, particles, rate and, where there are walls and blocks, their loads with bounds of 95 %.
 /// Local.
 std::string summary_of(const Computation& computation, const Outcome& outcome);
-/// What a user should be warned about in the balance, and in the errors of the averages. Local.
+/// Warnings about the balance and about the errors of the averages. Local.
 std::vector<std::string> warnings_of(const Averaging& averaging);
 /// What became of the particles of the old mesh, in one line. Local.
 std::string summary_of(const Transferred& transferred);

@@ -12,8 +12,7 @@ namespace pamr::dsmc {
 /// Names of the surfaces through which molecules are counted: the patches of the mesh, then the planes. Local.
 std::vector<std::string> surfaces_of(const Computation& computation);
 
-/// What passes each patch and plane in a second, with bounds of 95 %, under the keys of docs/tools/pamr-dsmc-output.md.
-/// Local.
+/// Fluxes through each patch and plane with bounds of 95 %, under the keys of docs/tools/pamr-dsmc-output.md. Local.
 nlohmann::json fluxes_report(const Computation& computation);
 /// The same, one line for each patch and plane; nothing without averages. Local.
 std::vector<std::string> flux_lines(const Computation& computation);

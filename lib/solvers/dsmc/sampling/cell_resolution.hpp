@@ -28,7 +28,7 @@ struct CellResolution {
 CellResolution assess_resolution(const par::Comm& comm, const CellFlow& flow, double free_density,
                                  std::int64_t n_steps);
 nlohmann::json to_json(const CellResolution& resolution);
-/// What a user should be warned about. `gas` is null where molecules do not collide. Local.
+/// Warnings about cells that are too coarse, few particles and hot molecules. `gas`: null if molecules do not collide. Local.
 std::vector<std::string> warnings_of(const CellResolution& resolution, const Gas* gas);
 
 }  // namespace pamr::dsmc

@@ -13,10 +13,10 @@
 
 namespace pamr::dsmc {
 
-/// What passes a surface in a second: molecules, momentum (N, three components), energy (W).
+/// Rates through a surface: molecules (1/s), momentum (N, three components), energy (W).
 using FluxRate = std::array<double, 5>;
 
-/// What turns the sums of `FluxTally` into rates.
+/// Factors that turn the sums of `FluxTally` into rates.
 struct FluxScale {
   double momentum_unit = 1, energy_unit = 1;  ///< of `SurfaceTally`
   double fnum_per_time = 1;                   ///< real molecules per particle and second
@@ -26,7 +26,7 @@ struct FluxScale {
 /// The rate of each row of the tally. `words`: of all ranks. Local.
 std::vector<FluxRate> flux_rates(std::span<const std::int64_t> words, const Gas& gas, const FluxScale& scale);
 
-/// What passes a surface, of one species or of all.
+/// Flux through a surface, of one species or of all.
 struct SurfaceFlux {
   using Estimates = std::array<Estimate, 5>;  ///< as in `FluxRate`
   Estimates out, in;                          ///< of a plane: along its normal, against it
@@ -37,7 +37,7 @@ struct SurfaceFlux {
 SurfaceFlux mean_flux(const std::vector<std::vector<FluxRate>>& blocks, std::size_t n_groups, std::size_t surface,
                       int species, std::size_t n_species);
 
-/// What a row of the history has of a surface: molecules a second out and in, net momentum and energy.
+/// Columns of the history for a surface: molecules per second out and in, net momentum (N) and energy (W).
 using NetFlux = std::array<double, 6>;
 /// For each surface, all species together. Local.
 std::vector<NetFlux> net_fluxes(const std::vector<FluxRate>& rates, std::size_t n_species);

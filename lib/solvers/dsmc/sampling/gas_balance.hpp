@@ -28,8 +28,8 @@ struct GasBalance {
   std::int64_t n_intervals = 0;
   std::int64_t before = 0, in = 0, out = 0, after = 0;  ///< particles
   std::int64_t unexplained = 0;  ///< particles of all species and intervals that came or went otherwise
-  /// What is missing or too much at the end of an interval, over what a typical particle has, times the number of
-  /// particles that were there before or after or passed; the largest of all intervals.
+  /// Largest imbalance of any interval, relative: divided by the typical momentum or energy of a particle and by the
+  /// number of particles before, after and crossing.
   double momentum = 0, energy = 0;
 
   bool holds() const { return unexplained == 0 && momentum <= allowed && energy <= allowed; }

@@ -168,7 +168,7 @@ void restore_faces(const par::Comm& comm, const Section& section, GlobalId n_cel
   }
 }
 
-/// What has passed patches and planes in the current interval, which rank 0 takes. An older version has not written it.
+/// Restores the fluxes of the current interval, on rank 0. Checkpoints of older versions have none.
 void restore_fluxes(const par::Comm& comm, const nlohmann::json& header, Flow& flow) {
   if (!header.contains("fluxes")) return;
   std::vector<std::int64_t> words;

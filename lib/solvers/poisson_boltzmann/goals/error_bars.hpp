@@ -24,8 +24,8 @@ std::vector<bool> find_facets(const par::Comm& comm, const Problem& problem);
 std::string why_no_error_bar(const Problem& problem, const std::vector<Electrode>& electrodes, const Layers& layers,
                              const std::vector<bool>& has_facets, const Goal& goal);
 
-/// What no error bar of the case contains, for the user: walls with the profile of the plate, if there are bodies beside
-/// it; else empty. Local.
+/// A sentence for the user on an error that no bar of the case contains: walls with the profile of the plate while there
+/// are other bodies; else empty. Local.
 std::string beyond_error_bars(const Case& input);
 
 }  // namespace pamr::poisson_boltzmann

@@ -62,7 +62,7 @@ std::vector<WallPoint> far_field_points(const State& state, std::span<const doub
   return result;
 }
 
-/// Where the potential comes from: a point, or the flat wall normal to `axis` at `center`.
+/// A source of the fitted potential: a point, or the flat wall normal to `axis` at `center`.
 struct Source {
   Vec3 center;
   int axis = -1;

@@ -6,8 +6,8 @@
 #include "pamr/geometry/surface.hpp"
 #include "solvers/poisson_boltzmann/goals/functionals.hpp"
 
-/// What a goal misses because faces of the mesh stand in for curved surfaces, for elements of both orders: the
-/// derivative of the functional by the shape (J. Hadamard, 1908). With the normal n into the liquid and the wall moved
+/// The error of a goal from replacing curved surfaces by faces of the mesh, for elements of both orders: the derivative of
+/// the functional with respect to the shape (J. Hadamard, 1908). With the normal n into the liquid and the wall moved
 /// by d along it, the residual of the equation changes by
 ///
 ///     potential given:  -d psi_n w_n                                     (the potential moves along with the wall)
@@ -51,9 +51,9 @@ struct WallTraces {
 double shape_change(const Problem& problem, const Goal& goal, const Boundary& boundary, const WallTraces& at,
                     WallShift shift);
 
-/// What the square of the distance adds to a functional, over what the distance does, is at most distance times wave
-/// number of the gap between a face and its surface. Both are taken as root mean squares over points of the face: the
-/// wave number is the slope of the gap over its depth.
+/// Bounds the second-order part of the error of the shape relative to the first-order part: at most distance times wave
+/// number of the gap between a face and its surface. Both are root mean squares over points of the face; the wave number
+/// is the slope of the gap over its depth.
 class GapWave {
  public:
   void add(const Domain& domain, const geometry::Surface& surface, const WallPlace& place, double distance);

@@ -5,8 +5,8 @@
 
 namespace pamr::poisson_boltzmann {
 
-/// What a goal misses on the meshed part because flat faces stand in for curved surfaces, to first order in the
-/// distance between them, and the size of what that leaves.
+/// Error of a goal, on the meshed part, from replacing curved surfaces by flat faces: to first order in the distance
+/// between them, with a bound of the rest.
 struct ShapeError {
   double correction = 0;
   double rest = 0;  ///< the square of the distance, and what recovered gradients in place of those used would change

@@ -154,7 +154,7 @@ std::string with_error(double value, const std::optional<double>& error) {
   return fmt::format("{:.{}g} +- {:.2g}", value, std::clamp(place(value) - place(*error) + 2, 1, 17), *error);
 }
 
-/// That a charge without a correction is too large because the cells are too high for the layer; else empty.
+/// A warning if a charge without a correction is too large because the cells are too high for the layer; else empty.
 std::string beside_charge(const Case& input, const PatchResult& patch, const BestValue& best) {
   const auto& layer = patch.layer;
   const auto* boundary = input.find_boundary(patch.name);
