@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "pamr/base/counted.hpp"
+#include "pamr/base/csv_field.hpp"
 #include "pamr/check/gate.hpp"
 
 namespace pamr::check {
@@ -47,14 +48,6 @@ void append_patch_table(const std::vector<NamedReport>& reports, std::size_t wid
                                       patch_width, file, width, patch.faces, patch.area, patch.worst_distance,
                                       patch.off_surface_nodes, patch.mean_normal_deviation,
                                       patch.worst_normal_deviation));
-}
-
-/// Text as a field of a comma-separated line.
-std::string quoted(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string result = "\"";
-  for (const char c : text) result += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return result + "\"";
 }
 
 nlohmann::json to_json(const check::MetricReport& m) {
@@ -125,9 +118,9 @@ std::string to_csv(const std::vector<NamedReport>& reports) {
       if (std::find(columns.begin(), columns.end(), name) == columns.end()) columns.push_back(name);
   }
   std::string text = "file";
-  for (const auto& column : columns) text += "," + quoted(column);
+  for (const auto& column : columns) text += "," + csv_field(column);
   for (std::size_t i = 0; i < reports.size(); ++i) {
-    text += "\n" + quoted(reports[i].file);
+    text += "\n" + csv_field(reports[i].file);
     for (const auto& column : columns) {
       const auto at = std::find_if(rows[i].begin(), rows[i].end(), [&](const auto& n) { return n.first == column; });
       text += at == rows[i].end() ? "," : fmt::format(",{:.17g}", at->second);

@@ -6,18 +6,11 @@
 #include <algorithm>
 #include <array>
 
+#include "pamr/base/csv_field.hpp"
+
 namespace pamr::dsmc {
 
 namespace {
-
-/// A title of a column, quoted if it has to be.
-std::string title(const std::string& surface, const char* quantity) {
-  const auto text = surface + quantity;
-  if (text.find_first_of(",\"\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + "\"";
-}
 
 constexpr std::array<const char*, NetFlux{}.size()> quantities{":out_per_s", ":in_per_s", ":Fx", ":Fy", ":Fz", ":W"};
 
@@ -28,7 +21,7 @@ std::string to_csv(const std::vector<HistoryRow>& history, double dt, const std:
       "step,time,averaged,particles,entered_per_step,left_per_step,wall_hits_per_step,collisions_per_particle_step,"
       "crossings_per_particle_step,C_D,C_L,C_m,C_H,T_tr,T_rot";
   for (const auto& surface : surfaces)
-    for (const auto* quantity : quantities) text += "," + title(surface, quantity);
+    for (const auto* quantity : quantities) text += "," + csv_field(surface + quantity);
   text += "\n";
   for (const auto& row : history) {
     const double n = static_cast<double>(row.n_steps),

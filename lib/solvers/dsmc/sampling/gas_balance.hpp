@@ -29,7 +29,7 @@ struct GasBalance {
   std::int64_t before = 0, in = 0, out = 0, after = 0;  ///< particles
   std::int64_t unexplained = 0;  ///< particles of all species and intervals that came or went otherwise
   /// Largest imbalance of any interval, relative: divided by the typical momentum or energy of a particle and by the
-  /// number of particles before, after and crossing.
+  /// number of particles before, after and crossing, and one for each 1,024 collisions, which round.
   double momentum = 0, energy = 0;
 
   bool holds() const { return unexplained == 0 && momentum <= allowed && energy <= allowed; }
