@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Draws the heat flux along the meridian in the symmetry plane, level by level, with standard errors (the paper's Fig. 14).
+"""Draws the heat flux along the meridian in the symmetry plane, level by level, with bounds of 95 % (the paper's Fig. 14).
 
 Usage: plot_heat.py -o FILE.svg|FILE.png [--measured heat-flux.csv] LABEL=WALL.vtu...
 
@@ -23,6 +23,7 @@ NOSE, CONE = (0.753842e-3, 4.275252e-3), (7.997677e-3, 24.177525e-3)
 SHOULDER, FILLET = (9.172293e-3, 23.75e-3, 1.25e-3), (12.502293e-3, 8.33e-3, 2.08e-3)
 END = 6.0  # S/Rn at which the drawing ends
 N_BINS = 120
+NORMAL_95 = 1.96  # from a standard error to a bound of 95 %; a mean over many faces is spread normally
 
 
 def arc_length(x, r):
@@ -62,7 +63,7 @@ def read(name):
 
 def curve(name):
     """Means over bins of S of the faces nearer than 20 degrees to the symmetry plane, with their signs: S over the nose
-    radius, heat flux and its standard error, kW/m2; faces count as independent."""
+    radius, heat flux and its bound of 95 %, kW/m2; faces count as independent."""
     sums = {}
     for (x, y, z), area, q, error in read(name):
         r = math.hypot(y, z)
@@ -74,7 +75,7 @@ def curve(name):
         total = sums.setdefault(math.floor((s + END) / (2 * END) * N_BINS), [0.0, 0.0, 0.0, 0.0])
         for i, part in enumerate((area, area * q, area * s, (area * error) ** 2)):
             total[i] += part
-    return [(t[2] / t[0], t[1] / t[0] / 1e3, math.sqrt(t[3]) / t[0] / 1e3) for _, t in sorted(sums.items())]
+    return [(t[2] / t[0], t[1] / t[0] / 1e3, NORMAL_95 * math.sqrt(t[3]) / t[0] / 1e3) for _, t in sorted(sums.items())]
 
 
 def draw(curves, measured):
