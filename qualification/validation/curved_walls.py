@@ -3,7 +3,8 @@
 
     curved_walls.py BIN_FOLDER [--cases NAME,...] [--sizes H,...] [--mesher pamr|gmsh] [--repair] [--levels N] [--max-cells N]
                     [--layers N] [--ranks N] [--keep DIR]
-    curved_walls.py BIN_FOLDER --others [NAME,...] [--sizes H,...] [--seeds N] [--policy NAME] [--levels N] [--max-cells N] [--keep DIR]
+    curved_walls.py BIN_FOLDER --others [NAME,...] [--sizes H,...] [--repair] [--seeds N] [--policy NAME] [--levels N]
+                    [--max-cells N] [--keep DIR]
 
 A row a body and size: cells of the last level, the smallest mean ratio of each level, closure families that were kept, nodes that
 are off their surface, errors of area and volume at the last level with their orders. Exit code 1 when a cell is inverted, a
@@ -43,7 +44,7 @@ def arguments():
     parser.add_argument("--cases", default=",".join([*wall_cases.CASES, "blunt-cone"]))
     parser.add_argument("--sizes", default="0.4,0.8,1.2,1.6,2.0", help="edges at the wall / smallest radius of curvature")
     parser.add_argument("--mesher", choices=("pamr", "gmsh"), default="pamr")
-    parser.add_argument("--repair", action="store_true", help="split what would flatten cells at Gmsh's walls (pamr-convert)")
+    parser.add_argument("--repair", action="store_true", help="split what would flatten cells at walls (pamr-convert)")
     parser.add_argument("--levels", type=int, default=4)
     parser.add_argument("--max-cells", type=int, default=600_000, help="no level with more")
     parser.add_argument("--layers", type=int, default=1, help="layers of cells that are split at the wall")
@@ -86,7 +87,10 @@ def make_level_0(call, name, size, mesher, folder, repair=False):
              "--repair" if repair else "--no-repair")
     else:
         (folder / "case.toml").write_text(case.case_file)
-        call("pamr-mesh", folder / "case.toml", "-o", mesh, "--force", "--quiet")
+        made = folder / "made.hdf" if repair else mesh
+        call("pamr-mesh", folder / "case.toml", "-o", made, "--force", "--quiet")
+        if repair:
+            call("pamr-convert", made, mesh, "--repair", "--force", "--quiet")
     return case, mesh
 
 
@@ -274,7 +278,7 @@ def same_on_ranks(options, first, folder):
 def run_other(options, pamr, comm, name, size, folder):
     """Prints the rows of one body; true where nothing was broken."""
     call, how = caller(options), {"quality_control": options.policy}
-    first = pamr.Mesh.read(comm, other_bodies.make(call, other_bodies.BODIES[name](size), folder))
+    first = pamr.Mesh.read(comm, other_bodies.make(call, other_bodies.BODIES[name](size), folder, options.repair))
     bound, mesh = mean_ratios(first).min(), first
     start, walls = bound, [-1 - p for p in curved_patches(first)]
     for level in range(3):

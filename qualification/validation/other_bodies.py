@@ -62,8 +62,15 @@ def by_cells(folder, body):
     (folder / "body.toml").write_text(body.surfaces)
 
 
-def make(call, body, folder):
-    """Level 0 of a Body in folder/level0.hdf."""
+def make(call, body, folder, repair=False):
+    """Level 0 of a Body in a file of the folder; with `repair` after pamr-convert --repair."""
+    mesh = make_as_it_is(call, body, folder)
+    if repair:
+        call("pamr-convert", mesh, folder / "repaired.hdf", "--repair", "--force", "--quiet")
+    return folder / "repaired.hdf" if repair else mesh
+
+
+def make_as_it_is(call, body, folder):
     mesh = folder / "level0.hdf"
     if body.case_file:
         if body.stl:
