@@ -22,6 +22,8 @@ if(TARGET pamr_dsmc)
   install(FILES lib/solvers/dsmc/gas/gases.toml DESTINATION ${CMAKE_INSTALL_DATADIR}/pamr/species COMPONENT tools)
 endif()
 install(DIRECTORY docs/examples/ DESTINATION ${CMAKE_INSTALL_DATADIR}/pamr/examples)
+install(DIRECTORY cases/moving-front DESTINATION ${CMAKE_INSTALL_DATADIR}/pamr/examples
+  FILES_MATCHING PATTERN "*.?pp" PATTERN CMakeLists.txt)
 install(EXPORT pamr NAMESPACE pamr:: DESTINATION ${config_dir} FILE pamrTargets.cmake)
 configure_package_config_file(cmake/pamrConfig.cmake.in ${CMAKE_CURRENT_BINARY_DIR}/pamrConfig.cmake
   INSTALL_DESTINATION ${config_dir})

@@ -29,16 +29,14 @@ FiniteVolumes::FiniteVolumes(const pamr::par::Comm& comm, const pamr::mesh::Dist
   for (LocalId c = 0; c < mesh.n_cells(); ++c) {
     const auto p = mesh.points(c);
     volume_.push_back(pamr::geometry::volume(p));
-    centroid_.push_back(0.25 * (p[0] + p[1] + p[2] + p[3]));
+    centroid_.push_back(pamr::geometry::centroid(p));
     std::array<double, 4> flow{};
     std::array<Vec3, 4> middle;
     double outflow = 0;
-    for (std::size_t f = 0; f < 4; ++f) {
-      const auto [i, j, k] = pamr::mesh::tet::face_to_corner[f];
-      const auto a = p[at(i)], b = p[at(j)], d = p[at(k)];
-      flow[f] = 0.5 * dot(velocity, cross(b - a, d - a));  // corners of faces run counter-clockwise, seen from outside
-      middle[f] = (1.0 / 3) * (a + b + d);
-      outflow += std::max(flow[f], 0.0);
+    for (int f = 0; f < 4; ++f) {
+      flow[at(f)] = dot(velocity, pamr::mesh::area_vector(p, f));
+      middle[at(f)] = pamr::mesh::face_centroid(p, f);
+      outflow += std::max(flow[at(f)], 0.0);
     }
     flow_.push_back(flow);
     middle_.push_back(middle);

@@ -44,9 +44,11 @@ class FiniteVolumes {
   /// The largest difference of each cell from a neighbor. Collective.
   std::vector<double> jumps(const std::vector<double>& value) const;
 
-  /// Items of the cells behind the faces between ranks, in the order of `border_face`. Collective.
+  /// Items of the cells behind the faces between ranks. Collective.
   template <class T>
-  std::vector<T> ghosts(const std::vector<T>& of_cell) const;
+  std::vector<T> ghosts(const std::vector<T>& of_cell) const {
+    return pamr::mesh::ghost_values(comm_, mesh_, of_cell);
+  }
 
  private:
   static std::size_t at(LocalId i) { return static_cast<std::size_t>(i); }
@@ -62,21 +64,5 @@ class FiniteVolumes {
   std::vector<std::array<Vec3, 4>> middle_;  ///< of each face
   std::vector<double> outflow_;              ///< of each cell: the sum of what is positive
 };
-
-template <class T>
-std::vector<T> FiniteVolumes::ghosts(const std::vector<T>& of_cell) const {
-  std::vector<T> mine, theirs(mesh_.border_face.size());
-  mine.reserve(mesh_.border_face.size());
-  for (const auto& face : mesh_.border_face) mine.push_back(of_cell[at(face.cell)]);
-  std::vector<std::span<const std::byte>> send;
-  std::vector<std::span<std::byte>> receive;
-  for (std::size_t i = 0; i < mesh_.border_rank.size(); ++i) {
-    const auto begin = mesh_.border_offset[i], n = mesh_.border_offset[i + 1] - begin;
-    send.push_back(std::as_bytes(std::span<const T>(mine).subspan(begin, n)));
-    receive.push_back(std::as_writable_bytes(std::span<T>(theirs).subspan(begin, n)));
-  }
-  comm_.neighbor_exchange(mesh_.border_rank, send, receive);
-  return theirs;
-}
 
 }  // namespace front

@@ -150,7 +150,9 @@ class Run {
   }
 
   void go() {
-    if (comm_.is_first()) history_ = std::fopen((options_.out + "/history.csv").c_str(), "w");
+    const auto name = options_.out + "/history.csv";
+    if (comm_.is_first()) history_ = std::fopen(name.c_str(), "w");
+    if (comm_.any(comm_.is_first() && history_ == nullptr)) throw pamr::Error("moving-front: cannot write " + name);
     say("step,time,cells,error,mass_defect,largest,smallest_mean_ratio");
     seconds_adapting_ = 0;  // the first mesh does not count
     const auto begin = Clock::now();
@@ -173,7 +175,8 @@ class Run {
           "%d steps, mean %.0f cells, largest error %.4f, the last mesh is %slevel 0; %.1f s, of which adapting %.1f "
           "%%\n",
           steps_, cell_steps_ / n_told_, worst_error_, is_level0 ? "" : "not ", all, 100 * seconds_adapting_ / all);
-    if (history_ != nullptr) std::fclose(history_);
+    if (comm_.any(history_ != nullptr && std::fclose(history_) != 0))
+      throw pamr::Error("moving-front: cannot write " + name);
   }
 
  private:

@@ -18,7 +18,7 @@ std::vector<std::uint32_t> along_curve(const RawMesh& mesh) {
   std::vector<std::uint64_t> key;
   for (std::size_t c = 0; c < mesh.cell.size(); ++c) {
     const auto p = mesh.points(c);
-    key.push_back(grid.key(0.25 * (p[0] + p[1] + p[2] + p[3])));
+    key.push_back(grid.key(geometry::centroid(p)));
   }
   return sorted_order(key);
 }

@@ -190,6 +190,8 @@ class Consumer(unittest.TestCase):
                 files.append(file.read())
         self.assertEqual(files[0], files[1])
         self.tool("pamr-quality", "example.hdf", "--gate", "inverted_cells:max:0")
+        self.run_ok(*MPIEXEC, "2", os.path.join(build, "moving-front", "moving-front"), "--n", "2", "--levels", "1")
+        self.assertIn("step,time,cells", text_of(self.folder, "history.csv"))
 
 
 if __name__ == "__main__":

@@ -12,6 +12,9 @@ using TetPoints = std::array<Vec3, 4>;
 /// Signed volume (p1-p0) x (p2-p0) . (p3-p0) / 6, in cubic length units.
 constexpr double volume(const TetPoints& p) { return dot(cross(p[1] - p[0], p[2] - p[0]), p[3] - p[0]) / 6.0; }
 
+/// Mean of the four corners; the same bits only for the same order of them.
+constexpr Vec3 centroid(const TetPoints& p) { return 0.25 * (p[0] + p[1] + p[2] + p[3]); }
+
 /// Mean ratio 12 (3V)^(2/3) / (sum of the six squared edges): 1 for the regular tetrahedron, 0 for a flat one, minus
 /// the value of the mirrored cell for an inverted one. Source: A. Liu, B. Joe, BIT 34 (1994).
 double mean_ratio(const TetPoints& p);

@@ -6,6 +6,7 @@
 #include "pamr/base/contract.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/geometry/box.hpp"
+#include "pamr/mesh/ghost_values.hpp"
 #include "pamr/order/hilbert.hpp"
 
 namespace pamr::balance {
@@ -81,7 +82,7 @@ Groups group_by_weight(const mesh::DistMesh& mesh, std::span<const std::int64_t>
   first.reserve(at(mesh.n_cells()));
   for (LocalId c = 0; c < mesh.n_cells(); c += family_of(mesh, c).size) {
     const auto p = mesh.points(c);
-    bucket.push_back(static_cast<std::uint32_t>(grid.key(0.25 * (p[0] + p[1] + p[2] + p[3])) >> (63U - bucket_bits)));
+    bucket.push_back(static_cast<std::uint32_t>(grid.key(geometry::centroid(p)) >> (63U - bucket_bits)));
     first.push_back(c);
   }
   const auto order = sort_by_bucket(bucket);
@@ -114,7 +115,7 @@ DualGraph build_dual_graph(const par::Comm& comm, const mesh::DistMesh& mesh, co
   const auto cell_to_group = invert(groups);
   std::vector<GlobalId> vertex(at(mesh.n_cells()));
   for (std::size_t c = 0; c < vertex.size(); ++c) vertex[c] = graph.first_vertex + cell_to_group[c];
-  const auto beyond = swap_over_faces<GlobalId>(comm, mesh, vertex);
+  const auto beyond = mesh::ghost_values(comm, mesh, vertex);
   vertex = {};
   const GhostVertices ghosts(beyond);
 

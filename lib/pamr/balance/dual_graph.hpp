@@ -50,11 +50,4 @@ struct DualGraph {
 DualGraph build_dual_graph(const par::Comm& comm, const mesh::DistMesh& mesh, const Groups& groups,
                            std::span<const std::int64_t> cell_weight);
 
-/// What the other side of each rank-border face says, for one value a cell given by `of_cell`. Collective over the
-/// neighbors: one message to each.
-template <class T>
-std::vector<T> swap_over_faces(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<const T> of_cell);
-
 }  // namespace pamr::balance
-
-#include "pamr/balance/swap_over_faces.ipp"

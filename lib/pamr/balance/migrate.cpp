@@ -12,6 +12,7 @@
 #include "pamr/balance/piece.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
+#include "pamr/mesh/ghost_values.hpp"
 #include "pamr/mesh/level0_map.hpp"
 #include "pamr/mesh/rank_border.hpp"
 
@@ -92,7 +93,7 @@ mesh::DistMesh move_cells(const par::Comm& comm, mesh::DistMesh mesh, std::span<
   if (!comm.any(!none_departs)) return mesh;
 
   std::vector<Piece> pieces(1);
-  auto ghost_to = swap_over_faces<Rank>(comm, mesh, destination);
+  auto ghost_to = mesh::ghost_values(comm, mesh, destination);
   {
     PieceCutter cutter(
         mesh, destination, ghost_to,

@@ -8,6 +8,7 @@
 #include "pamr/balance/dual_graph.hpp"
 #include "pamr/base/contract.hpp"
 #include "pamr/base/index.hpp"
+#include "pamr/mesh/ghost_values.hpp"
 
 namespace pamr::balance {
 
@@ -34,7 +35,7 @@ void sort_and_unique(std::vector<PartPair>& pairs) {
 template <class Visit>
 std::int64_t for_each_cut_face(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<const Rank> part,
                                Visit visit) {
-  const auto beyond = swap_over_faces<Rank>(comm, mesh, part);
+  const auto beyond = mesh::ghost_values(comm, mesh, part);
   std::int64_t n_sides = 0;
   for (std::size_t c = 0; c < part.size(); ++c)
     for (const auto neighbor : mesh.cell_to_cell[c]) {

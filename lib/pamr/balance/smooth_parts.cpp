@@ -9,6 +9,7 @@
 #include "pamr/balance/dual_graph.hpp"
 #include "pamr/base/contract.hpp"
 #include "pamr/base/index.hpp"
+#include "pamr/mesh/ghost_values.hpp"
 
 namespace pamr::balance {
 
@@ -153,7 +154,7 @@ std::int64_t smooth_parts(const par::Comm& comm, const mesh::DistMesh& mesh, std
     // shared out evenly, so that all ranks together stay below the limit
     for (auto& value : sum) value = std::max<std::int64_t>(0, max_weight - value) / comm.size();
     auto room = sum;
-    const auto beyond = swap_over_faces<Rank>(comm, mesh, part);
+    const auto beyond = mesh::ghost_values(comm, mesh, part);
     const auto now = comm.sum(smoother.sweep(beyond, sweep % 2 == 0, room));
     for (std::size_t p = 0; p < here.size(); ++p) here[p] += sum[p] - room[p];
     saved += now;

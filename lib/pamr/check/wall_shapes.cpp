@@ -41,7 +41,7 @@ WallShapes wall_shapes(const par::Comm& comm, const mesh::DistMesh& mesh, double
     const auto p = mesh.points(c);
     const double ratio = geometry::mean_ratio(p);
     n_below += ratio < limit ? 1 : 0;
-    worst.add(ratio, 0.25 * (p[0] + p[1] + p[2] + p[3]));
+    worst.add(ratio, geometry::centroid(p));
   }
   const auto [smallest, where] = worst.over(comm);
   return {smallest, where, comm.sum(n_below)};

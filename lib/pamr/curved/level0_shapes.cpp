@@ -85,7 +85,7 @@ class Splitter {
   void add(const geometry::TetPoints& p, int level) {
     auto& worst = worst_[at(level)];
     const double ratio = std::cbrt(15552 * refine::shape(p));
-    if (ratio < worst.value) worst = {ratio, 0.25 * (p[0] + p[1] + p[2] + p[3])};
+    if (ratio < worst.value) worst = {ratio, geometry::centroid(p)};
   }
 
   void split(const std::array<Weights, 4>& corner, int level) {

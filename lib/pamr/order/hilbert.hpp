@@ -30,7 +30,7 @@ class CurveGrid {
 
 /// Where the curve puts a cell.
 inline std::uint64_t key_of(const CurveGrid& grid, const geometry::TetPoints& p) {
-  return grid.key(0.25 * (p[0] + p[1] + p[2] + p[3]));
+  return grid.key(geometry::centroid(p));
 }
 
 }  // namespace pamr::order
