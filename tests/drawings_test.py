@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The drawings of docs/refinement.md and docs/coarsening.md are those that their script makes, and the splits they show fill the cell."""
+"""The drawings of the pages are those that their script makes, and the splits they show fill the cell."""
 import pathlib
 import subprocess
 import sys
@@ -20,7 +20,7 @@ class Drawings(unittest.TestCase):
             made = {path.name: path.read_text() for path in pathlib.Path(folder).iterdir()}
 
         self.assertEqual(made, {path.name: path.read_text() for path in FOLDER.glob("*.svg")})
-        self.assertEqual(len(made), 5)
+        self.assertEqual(len(made), 8)
 
     def test_split_cells_by_the_275_triangulations_that_exist(self):
         count = 0

@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The drawings of docs/refinement.md and docs/coarsening.md. Usage: draw.py [FOLDER]   (default: the folder of this script)"""
+"""The drawings of the pages. Usage: draw.py [FOLDER]   (default: the folder of this script)"""
 import math
 import pathlib
 import sys
 
 import coarsening
+import sketches
 from canvas import CLOSURE, FAINT, INK, MARK, PARTS, REGULAR, Canvas, View, exploded, from_behind, seen
 from policies import CELL, POLICIES, Mesh, row_of
 from splits import EDGES, mean_ratio, midpoint, split
@@ -149,6 +150,9 @@ def main():
     draw_splits(folder / "more-splits.svg", "Cells with two marks on a face, two opposite marks and five marks", NEW_SETS)
     draw_policies(folder / "quality-control.svg")
     draw_coarsening(folder / "coarsening.svg")
+    sketches.draw_cone(folder / "blunt-cone.svg")
+    sketches.draw_spheres(folder / "charged-spheres.svg")
+    sketches.draw_ring(folder / "edge-ring.svg")
 
 
 main()
