@@ -60,14 +60,6 @@ def errors(problem, mesh, solution):
             norm(ufl.dot(ufl.grad(error), ufl.grad(error))) / norm(ufl.dot(ufl.grad(exact), ufl.grad(exact))))
 
 
-def nodal_values(solution):
-    """Values at the nodes of the geometry of this rank, as it numbers them."""
-    mesh = solution.function_space.mesh
-    values = np.empty(len(mesh.geometry.x))
-    values[mesh.geometry.dofmap.array] = solution.x.array[solution.function_space.dofmap.list.array]
-    return values
-
-
 def peak_since_reset():
     """Bytes of this process: the peak since `reset_peak`, and now."""
     size = {}
@@ -96,9 +88,7 @@ class Pamr:
         return self.given.mesh
 
     def marks(self, solution, arguments):
-        order = np.argsort(self.given.node_numbers)
-        rows = order[np.searchsorted(self.given.node_numbers, self.mesh.node_numbers, sorter=order)]
-        self.mesh.node_fields["u"] = nodal_values(solution)[rows]
+        self.mesh.node_fields["u"] = pamr.dolfinx_values(self.given, solution)
         return flags_of(self.mesh, arguments)
 
     def refine(self, flags):
@@ -124,7 +114,7 @@ class Dolfinx:
         return self.mesh
 
     def marks(self, solution, arguments):
-        self.ours.node_fields["u"] = nodal_values(solution)[self.ours.node_numbers]
+        self.ours.node_fields["u"] = pamr.dolfinx_values(self.ours, solution)
         flags = flags_of(self.ours, arguments)
         self.edges = versions.edges_of(self.mesh, np.flatnonzero(flags).astype(np.int32))  # not part of what is timed
         return flags

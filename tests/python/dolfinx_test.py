@@ -87,4 +87,44 @@ def test_a_tagged_plane_inside_is_integrated_over_at_every_level():
         ours = pamr.refine(ours, ours.points[ours.cells].mean(axis=1)[:, 1] < 0.5).mesh
 
 
+def test_functions_go_to_the_fields_of_a_mesh_and_back():
+    """Linear functions and values of cells, scalar and of vectors, on the mesh that came from dolfinx and on the refined one."""
+    theirs = dolfinx.mesh.create_unit_cube(COMM, 3, 3, 3)
+    ours = pamr.from_dolfinx(theirs)
+    fine = pamr.refine(ours, ours.points[ours.cells].mean(axis=1)[:, 0] < 0.5).mesh
+    back = pamr.to_dolfinx(fine)
+    for given, mesh, of in ((ours, theirs, ours), (back, back.mesh, fine)):
+        x, middle = of.points, of.points[of.cells].mean(axis=1)
+        for size, scalar in ((None, True), (3, False), (2, False)):
+            def linear(p):
+                return 1 + p[0] - 2 * p[1] if scalar else np.stack([p[2], p[0] + 3 * p[1], p[1]][:size])
+            for on, element, place in (("nodes", ("Lagrange", 1), x), ("cells", ("DG", 0), middle)):
+                u = fem.Function(versions.function_space(mesh, element, size))
+                u.interpolate(linear)
+                u.x.scatter_forward()
+                values = pamr.dolfinx_values(given, u)
+                assert np.allclose(values, linear(place.T).T, atol=1e-14), (on, size)
+                again = pamr.dolfinx_function(given, mesh, values, on)
+                assert np.allclose(again.x.array, u.x.array, atol=1e-14), (on, size)  # those of ghosts, too
+
+
+def test_other_elements_and_arrays_are_refused():
+    theirs = dolfinx.mesh.create_unit_cube(COMM, 2, 2, 2)
+    ours = pamr.from_dolfinx(theirs)
+    for element in (("Lagrange", 2), ("DG", 1)):
+        u = fem.Function(versions.function_space(theirs, element))
+        assert "expected Lagrange elements of first order" in error_of(lambda: pamr.dolfinx_values(ours, u))
+    wrong = np.zeros(len(ours.cells) + (COMM.rank == COMM.size - 1))  # on one rank only
+    assert "found an array of shape" in error_of(lambda: pamr.dolfinx_function(ours, theirs, wrong, "cells"))
+    assert 'found "edges"' in error_of(lambda: pamr.dolfinx_function(ours, theirs, wrong, "edges"))
+
+
+def error_of(call):
+    try:
+        call()
+    except pamr.Error as error:
+        return str(error)
+    return "no error"
+
+
 run_tests(globals())

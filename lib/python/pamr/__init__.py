@@ -28,11 +28,12 @@ Collective
 """
 from . import mark, openfoam
 from ._core import Error, version as __version__
+from .dolfinx_values import dolfinx_function, dolfinx_values
 from .interop import from_dolfinx, from_meshio, to_dolfinx
 from .mesh import BoundaryFaces, Fields, InnerFaces, Mesh
 from .stages import RefineResult, adapt, balance, forecast, locate, quality, refine
 from .surfaces import Cone, Cylinder, File, Plane, Sphere, Surface, Toml, Torus
 
 __all__ = ["BoundaryFaces", "Cone", "Cylinder", "Error", "Fields", "File", "InnerFaces", "Mesh", "Plane", "RefineResult", "Sphere",
-           "Surface", "Toml", "Torus", "adapt", "balance", "forecast", "from_dolfinx", "from_meshio", "locate", "mark", "openfoam",
-           "quality", "refine", "to_dolfinx"]
+           "Surface", "Toml", "Torus", "adapt", "balance", "dolfinx_function", "dolfinx_values", "forecast", "from_dolfinx", "from_meshio",
+           "locate", "mark", "openfoam", "quality", "refine", "to_dolfinx"]

@@ -2,7 +2,7 @@
 """What differs between the versions of dolfinx that are known to work, 0.5 and 0.9; imported where dolfinx is."""
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Optional
 
 import numpy as np
 import ufl
@@ -10,9 +10,9 @@ import dolfinx
 from dolfinx import fem
 
 
-def dofmap(geometry: Any) -> np.ndarray:
-    """Nodes of the geometry in cells, n x 4 for tetrahedra of first order."""
-    of_cells = geometry.dofmap
+def dofmap(owner: Any) -> np.ndarray:
+    """Nodes of a geometry in cells, n x 4 for tetrahedra of first order, or the degrees of freedom of a space."""
+    of_cells = getattr(owner.dofmap, "list", owner.dofmap)
     return of_cells.array.reshape(of_cells.num_nodes, -1) if hasattr(of_cells, "num_nodes") else np.asarray(of_cells)
 
 
@@ -42,8 +42,26 @@ def facet_nodes(mesh: Any, facets: np.ndarray) -> np.ndarray:
     return np.asarray(dolfinx.cpp.mesh.entities_to_geometry(cpp, 2, facets, False))
 
 
-def function_space(mesh: Any, element: Any) -> Any:
-    return fem.functionspace(mesh, element) if hasattr(fem, "functionspace") else fem.FunctionSpace(mesh, element)
+def function_space(mesh: Any, element: Any, n_components: Optional[int] = None) -> Any:
+    """Of a family and an order; of vectors where there are components."""
+    if hasattr(fem, "functionspace"):
+        return fem.functionspace(mesh, element if n_components is None else (*element, (n_components,)))
+    return fem.FunctionSpace(mesh, element) if n_components is None else fem.VectorFunctionSpace(mesh, element, dim=n_components)
+
+
+def place_of_values(space: Any) -> Optional[str]:
+    """Where the values of a space are: at "nodes", in "cells", or None for all elements but the two of the lowest order."""
+    element = space.ufl_element()
+    if hasattr(element, "element_family"):
+        import basix
+        if element.element_family != basix.ElementFamily.P:
+            return None
+        degree, is_cut = element.degree, element.discontinuous
+    else:
+        if element.family() not in ("Lagrange", "Q", "Discontinuous Lagrange"):
+            return None
+        degree, is_cut = element.degree(), element.family() == "Discontinuous Lagrange"
+    return "cells" if degree == 0 else "nodes" if degree == 1 and not is_cut else None
 
 
 def edges_of(mesh: Any, cells: np.ndarray) -> np.ndarray:

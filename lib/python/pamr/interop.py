@@ -98,6 +98,7 @@ class DolfinxMesh(NamedTuple):
     node_numbers: np.ndarray  #: number in the pamr mesh of each node of dolfinx's geometry, ghosts too
     names: dict[int, str]    #: of the facet tags: the patches' own numbers, the lowest free ones for patches without one
     cell_tags: Any           #: MeshTags of dimension 3: the cell field "region" where it is not 0; None without the field
+    node_rows: np.ndarray    #: row of ``pamr.Mesh.points`` of each node of dolfinx's geometry, -1 for those of ghosts alone
 
 
 def _tags_of_patches(mesh: Mesh) -> dict[int, int]:
@@ -148,7 +149,15 @@ def to_dolfinx(mesh: Mesh) -> DolfinxMesh:
         region = np.asarray(mesh.cell_fields["region"])[rows].astype(np.int32)
         cells = np.flatnonzero(region != 0).astype(np.int32)
         cell_tags = dolfinx.mesh.meshtags(theirs, 3, cells, region[cells])
-    return DolfinxMesh(theirs, facet_tags, rows, nodes, names, cell_tags)
+    return DolfinxMesh(theirs, facet_tags, rows, nodes, names, cell_tags, rows_of_numbers(mesh.node_numbers, nodes))
+
+
+def rows_of_numbers(known: np.ndarray, wanted: np.ndarray) -> np.ndarray:
+    """Where each wanted number stands among the known ones, -1 where it does not."""
+    order = np.argsort(known)
+    place = np.searchsorted(known, wanted, sorter=order).clip(max=max(len(known) - 1, 0))
+    rows = order[place] if len(known) else np.zeros(len(wanted), np.int64)
+    return np.where(known[rows] == wanted, rows, -1) if len(known) else rows - 1
 
 
 def _ranks_at_cells(mesh: Mesh) -> tuple[np.ndarray, np.ndarray]:
