@@ -15,9 +15,11 @@ if(PTScotch_INCLUDE_DIR)
   list(TRANSFORM version REPLACE "[^0-9]+" "")
   list(JOIN version "." PTScotch_VERSION)
 endif()
+include(${CMAKE_CURRENT_LIST_DIR}/mpi_family.cmake)
+pamr_is_of_this_mpi("${PTScotch_LIBRARY}" PTScotch_OF_THIS_MPI)
 include(FindPackageHandleStandardArgs)
 find_package_handle_standard_args(PTScotch
-  REQUIRED_VARS PTScotch_LIBRARY PTScotch_SCOTCH_LIBRARY PTScotch_INCLUDE_DIR PTScotch_WITH_64_BITS
+  REQUIRED_VARS PTScotch_LIBRARY PTScotch_SCOTCH_LIBRARY PTScotch_INCLUDE_DIR PTScotch_WITH_64_BITS PTScotch_OF_THIS_MPI
     PTScotch_Z_LIBRARY PTScotch_BZ2_LIBRARY PTScotch_LZMA_LIBRARY
   VERSION_VAR PTScotch_VERSION
   REASON_FAILURE_MESSAGE

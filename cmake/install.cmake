@@ -29,8 +29,11 @@ configure_package_config_file(cmake/pamrConfig.cmake.in ${CMAKE_CURRENT_BINARY_D
   INSTALL_DESTINATION ${config_dir})
 # For builds without CMake. MPI's own libraries are the compiler wrapper's business.
 file(RELATIVE_PATH from_pkgconfig ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig ${CMAKE_INSTALL_PREFIX})
-set(libraries ${ParallelHDF5_LIBRARY} ${PTScotch_LIBRARY} ${PTScotch_SCOTCH_LIBRARY} ${PTScotch_Z_LIBRARY} ${PTScotch_BZ2_LIBRARY}
-  ${PTScotch_LZMA_LIBRARY} -lmpfr -lgmp -lm -lpthread ${CMAKE_DL_LIBS}
+set(scotch)
+if(PTScotch_FOUND)
+  set(scotch ${PTScotch_LIBRARY} ${PTScotch_SCOTCH_LIBRARY} ${PTScotch_BZ2_LIBRARY} ${PTScotch_LZMA_LIBRARY})
+endif()
+set(libraries ${ParallelHDF5_LIBRARY} ${scotch} ${ZLIB_LIBRARIES} -lmpfr -lgmp -lm -lpthread ${CMAKE_DL_LIBS}
   -Wl,--exclude-libs,libptscotch.a:libscotch.a "-Wl,-rpath,\${prefix}/${PAMR_MODULE_DIR}")
 list(TRANSFORM libraries REPLACE "^dl$" "-ldl")
 list(JOIN libraries " " libraries)
@@ -38,4 +41,4 @@ configure_file(cmake/pamr.pc.in ${CMAKE_CURRENT_BINARY_DIR}/pamr.pc @ONLY)
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/pamr.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 write_basic_package_version_file(${CMAKE_CURRENT_BINARY_DIR}/pamrConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/pamrConfig.cmake ${CMAKE_CURRENT_BINARY_DIR}/pamrConfigVersion.cmake
-  cmake/FindParallelHDF5.cmake cmake/FindPTScotch.cmake DESTINATION ${config_dir})
+  cmake/FindParallelHDF5.cmake cmake/FindPTScotch.cmake cmake/mpi_family.cmake DESTINATION ${config_dir})

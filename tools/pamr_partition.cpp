@@ -109,6 +109,7 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
                               {rank_field, "the numbers of the parts", 0, std::numeric_limits<Rank>::max()});
   });
   const auto weight = with_file_name(options.input, [&] { return weigh(comm, mesh, options); });
+  session.note_balance(options.method);
   session.step(fmt::format("dividing {} cells into {} parts", mesh.info.n_global_cells, options.n_parts));
   const std::vector<std::int64_t> ones(weight.size(), 1);
   const auto runs = balance::weighted_blocks(comm, mesh, ones, options.n_parts);

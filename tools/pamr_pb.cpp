@@ -104,6 +104,7 @@ cli::ExitCode run(cli::Session& session, const Options& o) {
   validate::require_valid(comm, mesh, o.mesh);
   const auto input = pb::resolve_names(stated, mesh.info.patches, o.case_file);
   timer.lap("read");
+  session.note_balance(o.balance);
   session.step("spreading the cells over the ranks");
   auto spread = pb::spread_cells(comm, std::move(mesh), balance::method_named(o.balance));
   mesh = std::move(spread.mesh);

@@ -68,7 +68,8 @@ class Consumer(unittest.TestCase):
         """Not optimized: their compilation takes longer than what they do."""
         build = os.path.join(cls.folder, name)
         cls.run_ok(CMAKE, "-G", "Ninja", "-S", source, "-B", build, f"-DCMAKE_PREFIX_PATH={cls.prefix}",
-                   f"-DCMAKE_CXX_COMPILER={COMPILER}", "-DCMAKE_BUILD_TYPE=Release", "-DCMAKE_CXX_FLAGS_RELEASE=-O0")
+                   f"-DCMAKE_CXX_COMPILER={COMPILER}", "-DCMAKE_BUILD_TYPE=Release", "-DCMAKE_CXX_FLAGS_RELEASE=-O0",
+                   "-DCMAKE_UNITY_BUILD=ON")
         cls.run_ok(CMAKE, "--build", build)
         return build
 

@@ -13,10 +13,10 @@
 namespace pamr::cli {
 
 std::string version_text(const std::string& tool) {
-  constexpr std::string_view commit = PAMR_COMMIT, left_out = PAMR_LEFT_OUT;
-  return fmt::format("{} {}{}\n{}, HDF5 {}, CGAL {}, Scotch {} (64-bit integers){}", tool, version(),
+  constexpr std::string_view commit = PAMR_COMMIT, scotch = PAMR_SCOTCH_VERSION, left_out = PAMR_LEFT_OUT;
+  return fmt::format("{} {}{}\n{}, HDF5 {}, CGAL {}{}{}", tool, version(),
                      commit.empty() ? "" : fmt::format(" (commit {})", commit), par::mpi_version(), io::hdf5_version(),
-                     PAMR_CGAL_VERSION, PAMR_SCOTCH_VERSION,
+                     PAMR_CGAL_VERSION, scotch.empty() ? "" : fmt::format(", Scotch {} (64-bit integers)", scotch),
                      left_out.empty() ? "" : fmt::format("\nleft out of this build: {}", left_out));
 }
 

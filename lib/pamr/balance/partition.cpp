@@ -67,10 +67,11 @@ struct Choice {
   Quality quality;  ///< without neighbors
 };
 
-/// Parts by Scotch, or none on every rank where there are too few vertices.
+/// Parts by Scotch, or none on every rank where there are too few vertices, or no Scotch.
 std::optional<std::vector<Rank>> part_by_scotch(const par::Comm& comm, const mesh::DistMesh& mesh,
                                                 std::span<const std::int64_t> weight, Rank n_parts,
                                                 const Options& options) {
+  if (!has_scotch()) return {};
   const auto total = comm.sum(std::accumulate(weight.begin(), weight.end(), std::int64_t{0}));
   const auto n_wanted = options.vertices_per_part * n_parts;
   // all cells where they are few anyway

@@ -19,7 +19,7 @@ namespace pamr::balance {
 /// How the cells are spread.
 enum class Method : std::uint8_t {
   none,    ///< they stay where they are
-  scotch,  ///< PT-Scotch on the graph of cell neighbors: few faces between parts
+  scotch,  ///< PT-Scotch on the graph of cell neighbors: few faces between parts; the curve in builds without it
   blocks,  ///< runs of cells in global order: cheap, as good as that order is local
   best,    ///< runs or pieces of the curve if these are good enough and cheaper than PT-Scotch, else PT-Scotch
   curve,   ///< pieces of Hilbert's curve through the cells: cheap whatever their order, more faces than Scotch's

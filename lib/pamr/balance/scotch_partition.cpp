@@ -135,6 +135,8 @@ class Pointers {
 
 }  // namespace
 
+bool has_scotch() { return true; }
+
 std::vector<Rank> scotch_partition(const par::Comm& comm, const DualGraph& graph, Rank n_parts, double tolerance) {
   PAMR_EXPECTS(n_parts >= 1 && graph.n_global_vertices >= n_parts && graph.arc_begin.size() == graph.n_vertices() + 1);
   last_complaint().clear();

@@ -8,6 +8,9 @@
 
 namespace pamr::balance {
 
+/// Whether this build has PT-Scotch; where it has none, pieces of the curve take its place. Local.
+bool has_scotch();
+
 /// Part (0 .. n_parts-1) of each of this rank's vertices, by PT-Scotch: parts that weigh the same within `tolerance`
 /// (a fraction) as nearly as it can, few faces between parts. One thread, fixed seed: the same partition on every run
 /// with the same distribution of the graph; another distribution gives another one.
