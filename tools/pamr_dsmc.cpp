@@ -231,6 +231,7 @@ cli::ExitCode run_case(cli::Session& session, const Options& o) {
   for (const auto& warning : warnings_of(outcome.resolution, c.collisions.enabled ? &c.gas : nullptr))
     session.warn(warning);
   for (const auto& warning : warnings_of(computation->averaging())) session.warn(warning);
+  for (const auto& warning : driven_warnings(*computation)) session.warn(warning);
   session.write_report(report_of(*computation, outcome));
   show_fluxes(session, *computation);
   session.summary(fmt::format("{} -> {}", summary_of(*computation, outcome), o.out.mesh));

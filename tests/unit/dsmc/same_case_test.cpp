@@ -254,6 +254,17 @@ TEST_F(SameCase, NamesTheDifferencesOfRunsThatWaitForASteadyFlowAdaptOrArePeriod
                     facts_of(comm_, c, make_setup(comm_, c, mesh_, 1e15), mesh_)),
             "");
 
+  const auto driven = changed(changed(base, "kind = \"inflow\"", "kind = \"inlet\", mass_flow = 1e-3"),
+                              "kind = \"outflow\"", "kind = \"outlet\", pressure = 2.0");
+  for (const auto& [old, now, name] :
+       std::vector<std::array<std::string, 3>>{{"mass_flow = 1e-3", "mass_flow = 2e-3", "boundary.xmin.mass_flow"},
+                                               {"= 1e-3", "= 1e-3, stream = \"puff\"", "boundary.xmin.stream"},
+                                               {"= 1e-3", "= 1e-3, relaxation = 7", "boundary.xmin.relaxation"},
+                                               {"pressure = 2.0", "pressure = 3.0", "boundary.zmax.pressure"},
+                                               {"= 2.0 }", "= 2.0, relaxation = 7 }", "boundary.zmax.relaxation"}})
+    EXPECT_NE(refusal(driven, changed(driven, old, now)).find(name + ": the checkpoint has "), std::string::npos)
+        << name;
+
   const auto inflow = changed(base, "xmax = { kind = \"specular\" }", "xmax = { kind = \"inflow\" }");
   const auto periodic =
       changed(changed(inflow, "xmin = { kind = \"inflow\" }", "xmin = { kind = \"periodic\", partner = \"xmax\" }"),

@@ -93,8 +93,36 @@ Flow::Flow(const par::Comm& comm, const mesh::DistMesh& mesh, Setup setup)
   cells.clear(n, setup_.gas);
   add_halo(comm, domain_);
   border_.emplace(domain_);
-  inflow_.emplace(comm, rules(), setup_.stream);
+  add_driven_patches();
+  inflow_.emplace(comm, rules(), setup_.stream, driven_);
   particles.sort_by_cell(domain_.n_cells());
+}
+
+void Flow::add_driven_patches() {
+  for (std::size_t p = 0; p < setup_.patch.size(); ++p) {
+    const auto& condition = setup_.patch[p];
+    if (!condition.is_driven()) continue;
+    const auto stream = static_cast<std::size_t>(std::max(0, condition.stream));
+    driven_.emplace_back(*comm_, domain_, setup_.gas, static_cast<int>(p), condition, setup_.stream[stream],
+                         DrivenPatch::Scale{surface.momentum_unit, surface.energy_unit, setup_.fnum / setup_.dt});
+  }
+}
+
+std::vector<double> Flow::driven_means() const {
+  std::vector<double> means;
+  for (const auto& one : driven_) means.insert(means.end(), one.means().begin(), one.means().end());
+  return means;
+}
+
+void Flow::set_driven_means(std::span<const double> means) {
+  std::size_t n = 0;
+  for (const auto& one : driven_) n += one.n_words();
+  if (means.size() != n)
+    throw Error(fmt::format("checkpoint: expected {} averages at inlets and outlets, found {}", n, means.size()));
+  for (auto& one : driven_) {
+    one.set_means(means.first(one.n_words()));
+    means = means.subspan(one.n_words());
+  }
 }
 
 void Flow::fill(const mesh::DistMesh& mesh) {
@@ -142,7 +170,8 @@ StepCounts Flow::step(bool wants_stop) {
   std::vector<Flight> entering;
   std::optional<Error> trouble;  // of this rank: thrown once all ranks know of it
   try {
-    inflow_->draw(steps_done, entering, &flux);
+    for (auto& one : driven_) one.begin_step(flux);
+    inflow_->draw(steps_done, entering, &flux, driven_);
   } catch (const Error& error) {
     trouble = error;
   }
@@ -171,21 +200,28 @@ StepCounts Flow::step(bool wants_stop) {
   return counts;
 }
 
-/// All that the ranks have to tell each other after a step, in one reduction.
+/// All that the ranks have to tell each other after a step, in one reduction: that of the inlets and outlets too.
 StepTotals Flow::add_up(const StepCounts& here, std::int64_t missing, bool wants_stop,
                         const std::optional<Error>& trouble) {
-  std::array<std::int64_t, 10> sums{
+  std::vector<std::int64_t> sums{
       here.entered,     here.moved.left,       here.moved.wall_hits, here.collided.collisions, here.moved.crossings,
       here.moved.stuck, here.collided.clamped, wants_stop ? 1 : 0,   trouble ? 1 : 0,          missing};
+  const auto n_own = sums.size();
+  for (const auto& one : driven_) one.append_words(flux, particles, sums);
   comm_->sum_in_place(sums);
-  const auto [entered, left, wall_hits, collided, crossings, stuck, clamped, stops, troubled, lost] = sums;
+  auto rest = std::span<const std::int64_t>(sums).subspan(n_own);
+  for (auto& one : driven_) {
+    one.end_step(rest.first(one.n_words()));
+    rest = rest.subspan(one.n_words());
+  }
+  const std::int64_t troubled = sums[8], lost = sums[9];
   if (troubled > 0)
     par::agree(*comm_, [&] {
       if (trouble) throw Error(*trouble);
     });
   lost_ += lost;
   if (lost != 0) throw ContractViolation(fmt::format("{} particles were lost in step {}", lost, steps_done));
-  return {entered, left, wall_hits, collided, crossings, stuck, clamped, stops > 0};
+  return {sums[0], sums[1], sums[2], sums[3], sums[4], sums[5], sums[6], sums[7] > 0};
 }
 
 void Flow::start_sampling() {

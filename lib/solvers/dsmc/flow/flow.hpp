@@ -3,12 +3,14 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "pamr/base/error.hpp"
 #include "pamr/par/comm.hpp"
 #include "solvers/dsmc/flow/setup.hpp"
 #include "solvers/dsmc/kernel/collide.hpp"
+#include "solvers/dsmc/kernel/driven_patch.hpp"
 #include "solvers/dsmc/kernel/flux_planes.hpp"
 #include "solvers/dsmc/kernel/flux_tally.hpp"
 #include "solvers/dsmc/kernel/gas_domain.hpp"
@@ -76,6 +78,12 @@ class Flow {
     return domain_.fnum[cell] * setup_.gas.species[species].weight;
   }
   const Collider& collider() const { return collider_; }
+  /// The inlets and outlets, by patch.
+  const std::vector<DrivenPatch>& driven() const { return driven_; }
+  /// Their averages (`DrivenPatch::means`), one after another.
+  std::vector<double> driven_means() const;
+  /// The reverse. Local. Throws `Error` for numbers that no averages are.
+  void set_driven_means(std::span<const double> means);
 
   Particles particles;
   std::vector<CellCollisions> collisions;
@@ -89,12 +97,14 @@ class Flow {
     return {&domain_, &setup_.gas, setup_.patch, setup_.seed, steps_done, planes_.plane.empty() ? nullptr : &planes_};
   }
   StepTotals add_up(const StepCounts& here, std::int64_t missing, bool wants_stop, const std::optional<Error>& trouble);
+  void add_driven_patches();
 
   const par::Comm* comm_;
   Setup setup_;
   GasDomain domain_;
   Collider collider_;
   FluxPlanes planes_;
+  std::vector<DrivenPatch> driven_;
   std::optional<Inflow> inflow_;
   std::optional<BorderExchange> border_;
   bool sampling_ = false;

@@ -138,19 +138,32 @@ std::optional<TomlTable> free_stream_of_air(const TomlTable& file) {
   return free && free->has("altitude") ? free : std::nullopt;
 }
 
+/// Molecules per m3, from the density or the pressure.
+double read_density(const TomlTable& table, double temperature) {
+  constexpr NumberRange densities{1, 1e30};
+  if (!table.has("pressure")) return number_or_none(table, "density", densities);
+  if (table.has("density")) table.refuse("density", "no such key beside pressure");
+  const double density = table.number("pressure") / (boltzmann * temperature);
+  if (density != 0 && !(density >= densities.low && density <= densities.high))
+    table.refuse("pressure",
+                 fmt::format("0 or a pressure of {:g} to {:g} molecules per m3", densities.low, densities.high),
+                 fmt::format("one of {:g}", density));
+  return density;
+}
+
 Stream read_stream(const TomlTable& table, const Gas& gas) {
   Stream s;
   s.name = table.name();
   const auto altitude = table.find_number("altitude", altitudes);
   if (altitude) {
-    for (const auto* key : {"density", "temperature"})
+    for (const auto* key : {"density", "pressure", "temperature"})
       if (table.has(key)) table.refuse(key, "no such key beside altitude, which sets it");
     const auto air = standard_air(*altitude);
     s.density = air.total();
     s.temperature = air.temperature;
   } else {
-    s.density = number_or_none(table, "density", {1, 1e30});
     s.temperature = table.number("temperature", temperatures);
+    s.density = read_density(table, s.temperature);
   }
   s.rotational_temperature = table.number_or("rotational_temperature", s.temperature, {0, 1e6});
   if (table.has("speed")) {

@@ -20,6 +20,8 @@ struct BoundaryCondition {
     symmetry,  ///< reflected as by a mirror; not a wall: no load is counted
     inflow,    ///< removed; a stream's particles enter here
     outflow,   ///< removed: vacuum beyond
+    inlet,     ///< removed; gas enters at the pressure of a stream, or as a mass flow (`DrivenPatch`)
+    outlet,    ///< removed; gas enters at a pressure, with the temperature of the gas inside (`DrivenPatch`)
     periodic   ///< continues from the partner patch
   };
   Kind kind = Kind::specular;
@@ -29,11 +31,16 @@ struct BoundaryCondition {
   double normal_accommodation = 1;      ///< cll: of the normal energy
   double tangential_accommodation = 1;  ///< cll: of the tangential momentum
   double rotational_accommodation = 1;  ///< cll: of the rotational energy
-  int stream = -1;                      ///< inflow: index of the stream
+  int stream = -1;                      ///< inflow, inlet: index of the stream
   int partner = -1;                     ///< periodic: index of the other patch
+  double pressure = 0;                  ///< outlet: Pa
+  double mass_flow = 0;                 ///< inlet: kg/s through the patch; 0: as the pressure of the stream says
+  double relaxation = 100;              ///< inlet, outlet: steps over which what passes the patch is averaged
 
   bool is_wall() const { return kind == Kind::diffuse || kind == Kind::specular || kind == Kind::cll; }
-  bool is_open() const { return kind == Kind::inflow || kind == Kind::outflow; }
+  bool is_driven() const { return kind == Kind::inlet || kind == Kind::outlet; }
+  bool brings_gas() const { return kind == Kind::inflow || is_driven(); }
+  bool is_open() const { return kind == Kind::outflow || brings_gas(); }
 };
 
 /// A molecule's velocity and rotational energy.

@@ -46,6 +46,11 @@ class FluxTally {
     sums.momentum[2] += SurfaceTally::fixed(unit.momentum * velocity.z);
     sums.energy += SurfaceTally::fixed(unit.translation * geometry::squared_norm(velocity) + unit.rotation * rotation);
   }
+  /// Particles that were added. Local.
+  std::int64_t count(std::size_t surface, Way way, std::size_t species) const {
+    const auto row = row_of(surface, species, way, unit_.size());
+    return row_[row].n + fresh_[row].hits;
+  }
   /// Index of the row of a surface, a species and a direction.
   static std::size_t row_of(std::size_t surface, std::size_t species, Way way, std::size_t n_species) {
     return 2 * (surface * n_species + species) + static_cast<std::size_t>(way);

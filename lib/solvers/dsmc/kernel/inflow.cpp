@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
@@ -71,7 +70,8 @@ Particle draw_particle(const Gas& gas, const Stream& stream, std::uint32_t speci
   return particle;
 }
 
-Inflow::Inflow(const par::Comm& comm, const MoveRules& rules, std::span<const Stream> stream)
+Inflow::Inflow(const par::Comm& comm, const MoveRules& rules, std::span<const Stream> stream,
+               std::span<const DrivenPatch> driven)
     : rules_(rules), stream_(stream.begin(), stream.end()) {
   const auto& domain = *rules.domain;
   const GlobalId n_cells = comm.sum(static_cast<std::int64_t>(domain.n_cells()));
@@ -79,14 +79,16 @@ Inflow::Inflow(const par::Comm& comm, const MoveRules& rules, std::span<const St
   std::vector<GlobalId> cell;
   for (std::size_t b = 0; b < domain.boundary.size(); ++b) {
     const auto& face = domain.boundary[b];
-    if (rules.patch[at(face.patch)].kind != BoundaryCondition::Kind::inflow) continue;
+    if (!rules.patch[at(face.patch)].brings_gas()) continue;
     const auto global = domain.cell_global[at(face.cell)];
     if (cell.empty() || cell.back() != global) {
       cell.push_back(global);
       count.push_back(0);
     }
     ++count.back();
-    face_.push_back({b, 0, {}});
+    const auto found =
+        std::find_if(driven.begin(), driven.end(), [&](const auto& d) { return d.patch() == face.patch; });
+    face_.push_back({b, 0, found == driven.end() ? -1 : static_cast<int>(found - driven.begin()), {}});
   }
   const auto [first, total] = number_along_cells(comm, n_cells, cell, count);
   if (total >= std::int64_t{1} << face_bits)
@@ -103,21 +105,28 @@ Inflow::Inflow(const par::Comm& comm, const MoveRules& rules, std::span<const St
       number = static_cast<std::uint64_t>(first[k++]);
     }
     face.number = number++;
-    const auto& flow = stream_[at(rules.patch[at(boundary.patch)].stream)];
-    for (std::size_t s = 0; s < rules.gas->species.size(); ++s)
-      face.mean.push_back(molecular_flux(flow.density * flow.fraction[s], flow.temperature, rules.gas->species[s].mass,
-                                         -dot(flow.velocity, boundary.normal)) *
-                          boundary.area * domain.dt[c] / (domain.fnum[c] * rules.gas->species[s].weight));
+    for (std::size_t s = 0; s < rules.gas->species.size(); ++s) {
+      double flux = 1;
+      if (face.driven < 0) {
+        const auto& flow = stream_[at(rules.patch[at(boundary.patch)].stream)];
+        flux = molecular_flux(flow.density * flow.fraction[s], flow.temperature, rules.gas->species[s].mass,
+                              -dot(flow.velocity, boundary.normal));
+      }
+      face.mean.push_back(flux * boundary.area * domain.dt[c] / (domain.fnum[c] * rules.gas->species[s].weight));
+    }
   }
-  require_feasible(comm);
+  require_feasible(comm, driven);
 }
 
 /// Throws `Error` on every rank when the particles of a step cannot be numbered or do not fit into memory.
-void Inflow::require_feasible(const par::Comm& comm) const {
+void Inflow::require_feasible(const par::Comm& comm, std::span<const DrivenPatch> driven) const {
   par::agree(comm, [&] {
-    for (const auto& face : face_)
-      if (!(std::accumulate(face.mean.begin(), face.mean.end(), 0.0) < max_entering + 1.0)) refuse(face);
-    const double bytes = expected() * static_cast<double>(sizeof(Flight));
+    for (const auto& face : face_) {
+      double sum = 0;
+      for (std::size_t s = 0; s < face.mean.size(); ++s) sum += mean_of(face, s, driven);
+      if (!(sum < max_entering + 1.0)) refuse(face);
+    }
+    const double bytes = expected(driven) * static_cast<double>(sizeof(Flight));
     const auto memory = static_cast<double>(std::min(memory_of_machine(), memory_of_process()));
     if (!(bytes < memory))
       throw Error(
@@ -134,24 +143,34 @@ void Inflow::refuse(const Face& face) const {
                   max_entering, rules_.domain->cell_global[at(rules_.domain->boundary[face.boundary].cell)]));
 }
 
-double Inflow::expected() const {
+/// Particles of a species that enter through a face in a step.
+double Inflow::mean_of(const Face& face, std::size_t species, std::span<const DrivenPatch> driven) {
+  if (face.driven < 0) return face.mean[species];
+  return face.mean[species] * driven[at(face.driven)].entering().species[species].rate;
+}
+
+double Inflow::expected(std::span<const DrivenPatch> driven) const {
   double sum = 0;
   for (const auto& face : face_)
-    for (const double mean : face.mean) sum += mean;
+    for (std::size_t s = 0; s < face.mean.size(); ++s) sum += mean_of(face, s, driven);
   return sum;
 }
 
-void Inflow::draw(std::uint64_t step, std::vector<Flight>& entering, FluxTally* flux) const {
+void Inflow::draw(std::uint64_t step, std::vector<Flight>& entering, FluxTally* flux,
+                  std::span<const DrivenPatch> driven) const {
   for (const auto& face : face_) {
     const auto& boundary = rules_.domain->boundary[face.boundary];
     const auto c = at(boundary.cell);
-    const auto& flow = stream_[at(rules_.patch[at(boundary.patch)].stream)];
+    const auto* gas = face.driven < 0 ? nullptr : &driven[at(face.driven)].entering();
+    const auto& flow = gas != nullptr ? gas->gas : stream_[at(rules_.patch[at(boundary.patch)].stream)];
     Random counting(rules_.seed, Purpose::inflow, face.number, step);
     std::uint64_t index = 0;
     for (std::uint32_t s = 0; s < face.mean.size(); ++s) {
-      const auto n = static_cast<std::uint64_t>(face.mean[s] + counting.uniform_fine());
+      const double mean = mean_of(face, s, driven);
+      if (!(mean < max_entering + 1.0)) refuse(face);
+      const auto n = static_cast<std::uint64_t>(mean + counting.uniform_fine());
       const double c_m = most_probable_speed(flow.temperature, rules_.gas->species[s].mass);
-      const double ratio = -dot(flow.velocity, boundary.normal) / c_m;
+      const double ratio = (gas != nullptr ? gas->species[s].speed : -dot(flow.velocity, boundary.normal)) / c_m;
       for (std::uint64_t i = 0; i < n; ++i, ++index) {
         if (index >> index_bits != 0) refuse(face);
         const auto id = id_of(step, face.number, index);

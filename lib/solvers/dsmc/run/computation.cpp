@@ -123,7 +123,9 @@ void Computation::adapt() {
   key_ = key_of(*comm_, mesh_);
   auto setup = setup_now;
   setup.cell_dt = make_cell_dt(case_, mesh_, setup.unit);
+  const auto driven = flow_->driven_means();
   flow_.emplace(*comm_, mesh_, std::move(setup));
+  flow_->set_driven_means(driven);
   facts_ = facts_of(*comm_, case_, flow_->setup(), mesh_);
   const auto transferred = transfer_particles(*comm_, old, adapted.gone, mesh_, *flow_);
   mesh::remove_field(mesh_.cell_fields, mesh::parent_field);  // it names cells of a mesh that nobody has any more

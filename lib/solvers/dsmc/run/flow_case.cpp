@@ -37,16 +37,35 @@ BoundaryCondition read_wall(const TomlTable& table, const std::string& kind) {
   return b;
 }
 
+/// An inlet or outlet.
+BoundaryCondition read_driven(const TomlTable& table, const std::string& kind, const Case& c) {
+  constexpr double max_value = 1e15;
+  BoundaryCondition b;
+  if (kind == "outlet") {
+    b.kind = Kind::outlet;
+    b.pressure = table.number("pressure", {0, max_value, true});
+  } else {
+    b.kind = Kind::inlet;
+    b.stream = stream_named(c, table, "stream");
+    if (table.has("mass_flow")) b.mass_flow = table.number("mass_flow", {0, max_value, true});
+    if (!(c.stream[static_cast<std::size_t>(b.stream)].density > 0))
+      table.fail("expected a stream with a density or pressure above 0 for an inlet");
+  }
+  b.relaxation = static_cast<double>(table.integer_or("relaxation", 100, 1, 1000000));
+  return b;
+}
+
 void read_boundaries(const TomlTable& boundaries, Case& c) {
   for (const auto& table : boundaries.all_tables()) {
     const auto& patch = table.name();
-    const auto kind =
-        table.word("kind", {"diffuse", "specular", "maxwell", "cll", "symmetry", "inflow", "outflow", "periodic"});
+    const auto kind = table.word("kind", {"diffuse", "specular", "maxwell", "cll", "symmetry", "inflow", "outflow",
+                                          "inlet", "outlet", "periodic"});
     BoundaryCondition b;
     if (kind == "diffuse" || kind == "maxwell" || kind == "cll") b = read_wall(table, kind);
     if (kind == "specular") b.kind = Kind::specular;
     if (kind == "symmetry") b.kind = Kind::symmetry;
     if (kind == "outflow") b.kind = Kind::outflow;
+    if (kind == "inlet" || kind == "outlet") b = read_driven(table, kind, c);
     if (kind == "inflow") {
       b.kind = Kind::inflow;
       b.stream = stream_named(c, table, "stream");

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "pamr/base/index.hpp"
+
 namespace pamr::dsmc {
 
 namespace {
@@ -38,6 +40,8 @@ json shown(const SurfaceFlux& flux, double student, bool is_plane) {
           {"net", shown(flux.net, student)}};
 }
 
+double pressure_of(const EnteringGas& entering) { return entering.gas.density * boltzmann * entering.gas.temperature; }
+
 std::size_t n_patches_of(const Computation& computation) { return computation.flow().setup().patch.size(); }
 
 }  // namespace
@@ -63,7 +67,33 @@ json fluxes_report(const Computation& computation) {
       entry["species"][species[s].name] =
           shown(averaging.flux(k, static_cast<int>(s), species.size()), student, is_plane);
   }
+  for (const auto& one : computation.flow().driven()) {
+    const auto& e = one.entering();
+    report["patches"][names[at(one.patch())]]["entering"] = {{"speed", e.speed},
+                                                             {"temperature", e.gas.temperature},
+                                                             {"pressure", pressure_of(e)},
+                                                             {"limited", e.is_limited}};
+  }
   return report;
+}
+
+std::vector<std::string> driven_warnings(const Computation& computation) {
+  std::vector<std::string> warnings;
+  for (const auto& one : computation.flow().driven()) {
+    const auto& e = one.entering();
+    const auto& name = computation.mesh().info.patches[at(one.patch())].name;
+    if (e.is_limited)
+      warnings.push_back(
+          fmt::format("patch {}: gas would enter faster than sound and is held at {:.4g} m/s, so that it has another "
+                      "pressure than asked for: use inflow from a stream, at rest for the gas of a vessel",
+                      name, e.speed));
+    if (-e.speed > one.sound())
+      warnings.push_back(
+          fmt::format("patch {}: gas leaves faster than sound, at {:.4g} m/s, so that the pressure "
+                      "asked for has no effect: use outflow",
+                      name, -e.speed));
+  }
+  return warnings;
 }
 
 std::vector<std::string> flux_lines(const Computation& computation) {
@@ -83,6 +113,11 @@ std::vector<std::string> flux_lines(const Computation& computation) {
                                 is_plane ? "plane" : "patch", names[k], f.out[0].value, is_plane ? "along" : "out",
                                 f.in[0].value, is_plane ? "against" : "in", f.net[1].value, f.net[2].value,
                                 f.net[3].value, bound(error), f.net[4].value, bound(f.net[4].error)));
+  }
+  for (const auto& one : computation.flow().driven()) {
+    const auto& e = one.entering();
+    lines.push_back(fmt::format("patch {}: gas enters at {:.4g} Pa, {:.4g} K and {:.4g} m/s", names[at(one.patch())],
+                                pressure_of(e), e.gas.temperature, e.speed));
   }
   return lines;
 }

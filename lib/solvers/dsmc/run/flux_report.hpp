@@ -17,6 +17,9 @@ nlohmann::json fluxes_report(const Computation& computation);
 /// The same, one line for each patch and plane; nothing without averages. Local.
 std::vector<std::string> flux_lines(const Computation& computation);
 
+/// Inlets and outlets that do not keep what the case asks for. Local.
+std::vector<std::string> driven_warnings(const Computation& computation);
+
 /// Whether what passed the patches is what the gas has lost. Local.
 nlohmann::json balance_report(const GasBalance& balance);
 /// In one line. Local.

@@ -68,6 +68,13 @@ json facts_of(const BoundaryCondition& b, const Setup& setup, const std::vector<
       return {{"kind", "symmetry"}};
     case Kind::outflow:
       return {{"kind", "outflow"}};
+    case Kind::inlet:
+      return {{"kind", "inlet"},
+              {"stream", name_of(setup.stream, b.stream)},
+              {"mass_flow", b.mass_flow},
+              {"relaxation", b.relaxation}};
+    case Kind::outlet:
+      return {{"kind", "outlet"}, {"pressure", b.pressure}, {"relaxation", b.relaxation}};
     case Kind::inflow:
       return {{"kind", "inflow"}, {"stream", name_of(setup.stream, b.stream)}};
     case Kind::periodic:

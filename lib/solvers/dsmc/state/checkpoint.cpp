@@ -177,6 +177,15 @@ void restore_fluxes(const par::Comm& comm, const nlohmann::json& header, Flow& f
   if (comm.is_first()) flow.flux.set_words(words);
 }
 
+/// Restores the averages at inlets and outlets.
+void restore_driven(const nlohmann::json& header, Flow& flow) {
+  if (flow.driven().empty()) return;
+  std::vector<double> means;
+  for (const auto& mean : array_of(member(header, "driven"), "driven"))
+    means.push_back(number_of(mean, "an average at an inlet or outlet"));
+  flow.set_driven_means(means);
+}
+
 /// The mesh that the header of a checkpoint names, beside it; empty for none. Throws `Error`.
 std::string mesh_file_of(const nlohmann::json& header, const std::string& checkpoint) {
   if (!header.contains("mesh_file")) return {};
@@ -217,6 +226,7 @@ Snapshot take_snapshot(const par::Comm& comm, const MeshKey& mesh, const RunStat
                         {"setup", setup_of(flow)},
                         {"fluxes", total_fluxes(comm, flow.flux)},
                         {"run", to_json(run)}};
+  if (!flow.driven().empty()) header["driven"] = flow.driven_means();
   return {std::move(header), cell_section(comm, mesh.n_cells, flow), face_section(comm, mesh.n_cells, run, flow),
           particle_section(comm, mesh.n_cells, flow)};
 }
@@ -257,6 +267,7 @@ RunState restore(const par::Comm& comm, const Snapshot& snapshot, Flow& flow) {
   restore_particles(comm, snapshot.particles, n_cells, flow, count);
   restore_faces(comm, snapshot.faces, n_cells, run, flow);
   restore_fluxes(comm, header, flow);
+  restore_driven(header, flow);
   return run;
 }
 
