@@ -313,10 +313,12 @@ def couette():
         check("13", f"free-molecular Couette flow, 300 m/s: {quantity}", exact, value, error, most=0.003 * value)
 
 
-def tube():
-    """Transmission of a tube of radius 1: the mean flux over all cross-sections over what enters."""
-    for length, exact, size in ((1, 0.6720, 0.3), (2, 0.5142, 0.3), (10, 0.1910, 0.4)):
-        text = f'''[mesh]
+TUBES = ((1, 0.6720, 0.3), (2, 0.5142, 0.3), (10, 0.1910, 0.4))  # length over radius, transmission, size of the cells
+
+
+def tube_mesh(length, size):
+    """A tube of radius 1 along x, its wall refined twice; patches wall, inlet and outlet."""
+    text = f'''[mesh]
 shape = "surfaces"
 length_unit = "1"
 region = "-outlet & +inlet & -wall"
@@ -340,10 +342,17 @@ kind = "plane"
 point = [{length}, 0, 0]
 normal = [1, 0, 0]
 '''
-        (runs.OUT / f"tube{length}.toml").write_text(text)
-        level = mesh(f"tube{length}-0.hdf", f"tube{length}.toml")
-        for k in (1, 2):
-            level = refined(level, f"tube{length}-{k}.hdf", "--patch", "wall")
+    (runs.OUT / f"tube{length}.toml").write_text(text)
+    level = mesh(f"tube{length}-0.hdf", f"tube{length}.toml")
+    for k in (1, 2):
+        level = refined(level, f"tube{length}-{k}.hdf", "--patch", "wall")
+    return level
+
+
+def tube():
+    """Transmission of a tube of radius 1: the mean flux over all cross-sections over what enters."""
+    for length, exact, size in TUBES:
+        level = tube_mesh(length, size)
         dt, n = 1 / fast(300.0, NITROGEN["mass"]), 1e16
         found = []
         total = 20000.0
