@@ -9,7 +9,7 @@ cp "$here/case.toml" .
 step pamr-mesh case.toml -o level0.hdf --force
 step pamr-dsmc case.toml --mesh level0.hdf -o flow0.hdf --plan
 step mpirun -n 2 pamr-dsmc case.toml --mesh level0.hdf -o flow0.hdf --checkpoint flow0.state --json flow0.json --force
-step mpirun -n 2 pamr-mark flow0.hdf -o marked.hdf --size-over lambda --ratio 1 --only-where n:above:1.575e20 --error n_stderr --max-cells 22000 --force
+step mpirun -n 2 pamr-mark flow0.hdf -o marked.hdf --size-over lambda --ratio 1 --only-where n:above:2.25e20 --error n_stderr --max-cells 22000 --force
 step mpirun -n 2 pamr-refine marked.hdf -o level1.hdf --force
 step mpirun -n 2 pamr-dsmc case.toml --mesh level1.hdf -o flow1.hdf --carry flow0.state --surface wall.vtu --json flow1.json --force
 picture density.png flow0.hdf flow1.hdf --label "First mesh" --label "Refined by the flow" --cut y=0 --field n --log \
