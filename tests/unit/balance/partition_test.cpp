@@ -81,8 +81,8 @@ TEST(Partition, TakesScotchWhereItsFewerFacesServeManyPasses) {
   const auto many = balance::partition(comm, mesh, ones, 5, how);
 
   EXPECT_EQ(few.method, Method::curve);
-  EXPECT_EQ(many.method, has_scotch() ? Method::scotch : Method::curve);
-  if (has_scotch()) EXPECT_LT(many.quality.edge_cut, few.quality.edge_cut);
+  EXPECT_EQ(many.method, balance::has_scotch() ? Method::scotch : Method::curve);
+  if (balance::has_scotch()) EXPECT_LT(many.quality.edge_cut, few.quality.edge_cut);
 }
 
 TEST(Partition, CutsRunsWhereNoneIsAskedForOtherPartsThanRanks) {
@@ -104,7 +104,7 @@ TEST(Partition, CutsFewerFacesThanRunsOfCellsInRandomOrder) {
   const auto scotch = balance::partition(comm, mesh, weight, 4, {.method = Method::scotch, .keep_below = 0});
   const auto blocks = balance::partition(comm, mesh, weight, 4, {.method = Method::blocks, .keep_below = 0});
 
-  EXPECT_EQ(scotch.method, has_scotch() ? Method::scotch : Method::curve);
+  EXPECT_EQ(scotch.method, balance::has_scotch() ? Method::scotch : Method::curve);
   EXPECT_LT(3 * scotch.quality.edge_cut, blocks.quality.edge_cut);
 }
 

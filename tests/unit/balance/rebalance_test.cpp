@@ -68,7 +68,7 @@ TEST(Rebalance, AsksForFewFacesBetweenRanksAsMuchAsForEvenRanks) {
     EXPECT_EQ(moved > 0, comm.size() > 1);
     EXPECT_LE(after.imbalance, 1.05);
     // for one pass Scotch would cost more than its fewer faces are worth
-    const bool is_curve = !has_scotch() || (how.method == Method::best && how.passes < 2);
+    const bool is_curve = !balance::has_scotch() || (how.method == Method::best && how.passes < 2);
     const double most = is_curve ? 2.5 : 1.5;
     EXPECT_LE(static_cast<double>(after.edge_cut), most * after.compact_cut);
     const std::vector<std::int64_t> again(result.mesh.cell_global.size(), 1);
@@ -88,7 +88,7 @@ TEST(Rebalance, AsksTheSameForWeightsOfASolver) {
 
     EXPECT_LE(result.report.after.imbalance, 1.05);
     EXPECT_LE(static_cast<double>(result.report.after.edge_cut),
-              (has_scotch() ? 1.5 : 2.5) * result.report.after.compact_cut);
+              (balance::has_scotch() ? 1.5 : 2.5) * result.report.after.compact_cut);
     EXPECT_EQ(result.report.moved_cells > 0, comm.size() > 1);
   }
 }
