@@ -205,7 +205,8 @@ def folder_violations(name):
 
 
 def name_violations(names):
-    """Of the product's files: each name stands once, and each source has the header of its name beside it."""
+    """Of the product's files: each name stands once, and each source has the header of its name beside it; no_NAME.cpp, which takes the
+    place of NAME.cpp in builds without a library, that of NAME."""
     first = {}
     product = [pathlib.PurePosixPath(n) for n in names if module_of(n) and pathlib.PurePosixPath(n).suffix in SOURCE]
     for path in product:
@@ -213,7 +214,8 @@ def name_violations(names):
             yield f"{path}:1: a file name stands once: there is {first[path.name]} too"
         first.setdefault(path.name, path)
         is_main = (path.parts[0] == "tools" and len(path.parts) == 2) or str(path) == "lib/python/module.cpp"
-        if path.suffix == ".cpp" and not is_main and path.with_suffix(".hpp") not in product:
+        header = path.with_name(path.stem.removeprefix("no_") + ".hpp")
+        if path.suffix == ".cpp" and not is_main and header not in product:
             yield f"{path}:1: a source has the header of its name beside it"
 
 

@@ -109,15 +109,15 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
                               {rank_field, "the numbers of the parts", 0, std::numeric_limits<Rank>::max()});
   });
   const auto weight = with_file_name(options.input, [&] { return weigh(comm, mesh, options); });
-  session.note_balance(options.method);
+  const auto method = balance::method_named(options.method);
+  if (const auto line = balance::what_stands_in(method); !line.empty()) session.note(line);
   session.step(fmt::format("dividing {} cells into {} parts", mesh.info.n_global_cells, options.n_parts));
   const std::vector<std::int64_t> ones(weight.size(), 1);
   const auto runs = balance::weighted_blocks(comm, mesh, ones, options.n_parts);
   const auto before = balance::measure(comm, mesh, weight, runs, options.n_parts);
   // a partition that is kept in a file may take its time: every cell and every family is a vertex
-  const auto partition =
-      balance::partition(comm, mesh, weight, options.n_parts,
-                         {.method = balance::method_named(options.method), .keep_below = 0, .vertices_per_part = 0});
+  const auto partition = balance::partition(comm, mesh, weight, options.n_parts,
+                                            {.method = method, .keep_below = 0, .vertices_per_part = 0});
   const auto& after = partition.quality;
 
   session.step("writing " + options.output);

@@ -104,9 +104,10 @@ cli::ExitCode run(cli::Session& session, const Options& o) {
   validate::require_valid(comm, mesh, o.mesh);
   const auto input = pb::resolve_names(stated, mesh.info.patches, o.case_file);
   timer.lap("read");
-  session.note_balance(o.balance);
+  const auto method = balance::method_named(o.balance);
+  if (const auto line = balance::what_stands_in(method); !line.empty()) session.note(line);
   session.step("spreading the cells over the ranks");
-  auto spread = pb::spread_cells(comm, std::move(mesh), balance::method_named(o.balance));
+  auto spread = pb::spread_cells(comm, std::move(mesh), method);
   mesh = std::move(spread.mesh);
   timer.lap("balance");
 

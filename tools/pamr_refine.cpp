@@ -305,7 +305,7 @@ cli::ExitCode work(cli::Session& session, const Options& options) {
   StepTimer timer([&] { return comm.traffic(); });
   const auto read_before = adapt::bytes_read_so_far();
   const auto balancing = adapt::balancing_named(options.balance, options.weights);
-  session.note_balance(options.balance);
+  if (const auto line = balance::what_stands_in(balancing.how.method); !line.empty()) session.note(line);
   session.step("reading " + options.input);
   auto mesh = adapt::read_for_refinement(comm, options.input,
                                          {.marks_field = options.marks,

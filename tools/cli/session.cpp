@@ -12,7 +12,6 @@
 #include "cli/standard_output.hpp"
 #include "cli/step_clock.hpp"
 #include "cli/version_text.hpp"
-#include "pamr/balance/scotch_partition.hpp"
 #include "pamr/base/case_file.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/one_line.hpp"
@@ -141,11 +140,6 @@ void Session::summary(const std::string& line) const {
 }
 
 void Session::warn(const std::string& line) const { say("warning", line); }
-
-void Session::note_balance(std::string_view method) const {
-  if (method == "scotch" && !balance::has_scotch())
-    note("this build has no PT-Scotch: parts are pieces of a space-filling curve");
-}
 
 void Session::note(const std::string& line, const std::vector<std::string>& lines_to_copy) const {
   if (options_.quiet) return;

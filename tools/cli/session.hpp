@@ -80,8 +80,6 @@ class Session {
   /// Something to know that is no trouble, on standard error by rank 0, with lines to copy below it. Not with --quiet.
   /// Local.
   void note(const std::string& line, const std::vector<std::string>& lines_to_copy = {}) const;
-  /// A note where the way of balancing is one that this build does not have, and what stands in for it.
-  void note_balance(std::string_view method) const;
   /// `warn` for `io::ReadOptions::remark`, to be used no longer than this session.
   std::function<void(const std::string&)> remarks() const;
   /// The same for what makes the exit code 1: a check or gate that fails. Local.

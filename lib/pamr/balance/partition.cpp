@@ -186,6 +186,11 @@ const char* name_of(Method method) {
   return "";
 }
 
+std::string what_stands_in(Method method) {
+  if (method != Method::scotch || has_scotch()) return {};
+  return "this build has no PT-Scotch: parts are pieces of a space-filling curve";
+}
+
 Partition partition(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<const std::int64_t> weight,
                     Exact<Rank> n_parts, const Options& options) {
   PAMR_EXPECTS(weight.size() == at(mesh.n_cells()) && n_parts >= 1);

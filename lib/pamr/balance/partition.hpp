@@ -34,6 +34,8 @@ inline constexpr std::array<std::pair<const char*, Method>, 5> method_names{{{"a
 /// The method of that name. Throws `Error` for any other name.
 Method method_named(std::string_view name);
 const char* name_of(Method method);
+/// A line for users who ask for a method that this build does not have, and what stands in for it; empty for others.
+std::string what_stands_in(Method method);
 
 struct Options {
   Method method = Method::scotch;
