@@ -479,6 +479,19 @@ def replace_data(group, values):
 
 
 @in_folder
+def test_a_cgns_file_of_several_parts_is_refused():
+    for place, name, words in (("Base", "Zone2", "expected one Zone_t, found 2"), ("/", "Base2", "expected one CGNSBase_t, found 2")):
+        pamr.Mesh.kuhn_cube(COMM, 1).write("parts.cgns")
+        if COMM.rank == 0:
+            import h5py
+            with h5py.File("parts.cgns", "r+") as file:
+                file.copy(file["Base/Zone1" if place == "Base" else "Base"], file[place], name)
+                file[place][name].attrs["name"] = np.bytes_(name)
+        COMM.barrier()
+        assert words in error_of(lambda: pamr.Mesh.read(COMM, "parts.cgns")), words
+
+
+@in_folder
 def test_regions_and_conditions_on_vertices_are_read_from_cgns():
     mesh = pamr.Mesh.kuhn_cube(COMM, 2)
     mesh.write("mesh.cgns")
