@@ -503,6 +503,35 @@ def test_plan_gives_free_molecular_coefficients_of_the_walls_of_the_case():
         assert heated is None or abs(found["C_H"] - heated) < 1e-9, (wall, found, heated)
 
 
+def test_a_group_of_the_mesh_gives_all_its_patches_their_condition():
+    """Half of the floor is in the groups `zmin` and `plates`, half of the ceiling in `zmax` and `plates`."""
+    run("pamr-convert", kuhn_cube("cube.hdf", 1), "cube.msh", "--text", "--gmsh-version", "2.2", "--quiet")
+    head, elements = pathlib.Path("cube.msh").read_text().split("$Elements\n")
+    lines = elements.split("\n")[1:19]
+    floor, ceiling = ([line.split() for line in lines if line.split()[1] == "2" and line.split()[3] == group][0] for group in "56")
+    lines += [" ".join([str(19 + i), *face[1:3], "9", *face[4:]]) for i, face in enumerate((floor, ceiling))]
+    names = head.replace("$PhysicalNames\n6", "$PhysicalNames\n7").replace("$EndPhysicalNames", '2 9 "plates"\n$EndPhysicalNames')
+    write("groups.msh", names + "$Elements\n20\n" + "\n".join(lines) + "\n$EndElements\n")
+    assert run("pamr-convert", "groups.msh", "mesh.hdf", "--json", "-").json["patches"] == [
+        "xmin", "xmax", "ymin", "ymax", "zmin", "zmax", "zmin+plates", "zmax+plates"]
+    case, wall = gas_in_a_cube(end='[reference]\narea = 1.0\npatches = ["plates"]\n'), 'kind = "diffuse", temperature = 300.0'
+    text = case.replace("[boundary]\n", "[boundary]\nplates = { " + wall + " }\n").replace(
+        'zmin = { kind = "inflow" }\nzmax = { kind = "inflow" }\n', '"z*" = { kind = "inflow" }\n')
+    patch_by_patch = text.replace("plates = { " + wall, '"zmin+plates" = { ' + wall + ' }\n"zmax+plates" = { ' + wall).replace(
+        '["plates"]', '["zmin+plates", "zmax+plates"]')
+    by_group, by_patch = (run("pamr-dsmc", write(name, of), "--mesh", "mesh.hdf", "--plan", "--json", "-").json["free_molecular"]
+                          for name, of in (("group.toml", text), ("patch.toml", patch_by_patch)))
+    assert by_group == by_patch and by_patch["C_H"] > 0, (by_group, by_patch)
+    clash = case.replace("[boundary]\n", "[boundary]\nplates = { " + wall + " }\n")
+    refuses("pamr-dsmc", write("clash.toml", clash), "--mesh", "mesh.hdf", "-o", "x.hdf", creates="x.hdf",
+            says=['expected one name that stands for "zmin+plates", found "plates" and "zmin"'])
+    sides = clash.replace("plates = { " + wall, 'plates = { kind = "periodic", partner = "xmin"').replace(
+        'xmin = { kind = "inflow"', 'xmin = { kind = "periodic", partner = "plates"').replace(
+        "zmin = {", '"zmin+plates" = { ' + wall + ' }\n"zmax+plates" = { ' + wall + " }\nzmin = {").replace('patches = ["plates"]\n', "")
+    refuses("pamr-dsmc", write("sides.toml", sides), "--mesh", "mesh.hdf", "-o", "x.hdf", creates="x.hdf",
+            says=['expected one patch of kind "periodic", found that "plates" stands for 2'])
+
+
 def test_bad_cases_are_refused_with_their_line():
     mesh = kuhn_cube("cube.hdf", 2)
 

@@ -17,19 +17,31 @@ bool stands_for(const std::string& pattern, const std::string& name) {
 }
 
 std::optional<std::size_t> find_pattern(const std::vector<std::string>& patterns, const std::string& name,
-                                        const std::string& where) {
+                                        const std::string& where, const std::vector<std::string>& groups) {
   const auto itself = std::find(patterns.begin(), patterns.end(), name);
   if (itself != patterns.end()) return static_cast<std::size_t>(itself - patterns.begin());
-  std::optional<std::size_t> found, rest;
-  for (std::size_t i = 0; i < patterns.size(); ++i) {
-    if (patterns[i] == "*") rest = i;
-    if (patterns[i] == "*" || !stands_for(patterns[i], name)) continue;
-    if (found)
-      throw Error(fmt::format("{}: expected one name that stands for \"{}\", found \"{}\" and \"{}\"", where, name,
-                              patterns[*found], patterns[i]));
-    found = i;
-  }
-  return found ? found : rest;
+  const auto only_one = [&](auto&& stands) {
+    std::optional<std::size_t> found;
+    for (std::size_t i = 0; i < patterns.size(); ++i) {
+      if (!stands(patterns[i])) continue;
+      if (found)
+        throw Error(fmt::format("{}: expected one name that stands for \"{}\", found \"{}\" and \"{}\"", where, name,
+                                patterns[*found], patterns[i]));
+      found = i;
+    }
+    return found;
+  };
+  const auto of_group = only_one(
+      [&](const std::string& pattern) { return std::find(groups.begin(), groups.end(), pattern) != groups.end(); });
+  if (of_group) return of_group;
+  const auto of_pattern = only_one([&](const std::string& pattern) {
+    return pattern != "*" && (stands_for(pattern, name) ||
+                              std::any_of(groups.begin(), groups.end(),
+                                          [&](const std::string& group) { return stands_for(pattern, group); }));
+  });
+  if (of_pattern) return of_pattern;
+  const auto rest = std::find(patterns.begin(), patterns.end(), "*");
+  return rest == patterns.end() ? std::nullopt : std::optional(static_cast<std::size_t>(rest - patterns.begin()));
 }
 
 }  // namespace pamr

@@ -16,9 +16,10 @@ bool is_name_pattern(std::string_view name);
 /// letters, `?` one, `[abc]` one of these.
 bool stands_for(const std::string& pattern, const std::string& name);
 
-/// Index of the pattern that stands for the name: the name itself before patterns, `*` alone after all others; nothing
-/// if there is none. Throws `Error`, which begins with `where` and names both, if two others do.
+/// Index of the pattern that stands for the name: the name itself first, then `groups` that it is in, then patterns for
+/// it or for one of these, `*` alone last; nothing if there is none. Throws `Error`, which begins with `where` and names
+/// both, if two groups or two patterns do.
 std::optional<std::size_t> find_pattern(const std::vector<std::string>& patterns, const std::string& name,
-                                        const std::string& where);
+                                        const std::string& where, const std::vector<std::string>& groups = {});
 
 }  // namespace pamr

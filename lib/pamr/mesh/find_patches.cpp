@@ -32,6 +32,12 @@ std::vector<int> require_patches(const std::vector<Patch>& patches, const std::s
   return found;
 }
 
+std::vector<std::string> group_names(const Patch& patch) {
+  std::vector<std::string> names;
+  for (const auto& group : patch.groups) names.push_back(group.name);
+  return names;
+}
+
 std::string list_patches(const std::vector<Patch>& patches) {
   if (patches.empty()) return "none";
   std::string names;

@@ -16,6 +16,9 @@ std::vector<int> find_patches(const std::vector<Patch>& patches, const std::stri
 /// The same; throws `Error`, which begins with `where` and lists the mesh's patches, if there is none. Local.
 std::vector<int> require_patches(const std::vector<Patch>& patches, const std::string& name, const std::string& where);
 
+/// Names of the groups that the faces of a patch are in, where these are several.
+std::vector<std::string> group_names(const Patch& patch);
+
 /// The patches' names for a message: "inlet, wall"; "none" without patches.
 std::string list_patches(const std::vector<Patch>& patches);
 

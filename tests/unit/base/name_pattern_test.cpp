@@ -28,6 +28,21 @@ TEST(FindPattern, TakesTheNameItselfThenAPatternThenAny) {
   EXPECT_EQ(find_pattern({}, "far", "c"), std::nullopt);
 }
 
+TEST(FindPattern, TakesAGroupAfterTheNameAndBeforePatterns) {
+  const std::vector<std::string> groups{"inlet", "hot walls"};
+  EXPECT_EQ(find_pattern({"*", "hot walls", "in*"}, "inlet+hot walls", "c", groups), 1U);
+  EXPECT_EQ(find_pattern({"hot walls", "inlet+hot walls", "inlet"}, "inlet+hot walls", "c", groups), 1U);
+  EXPECT_EQ(find_pattern({"*", "hot*"}, "inlet+hot walls", "c", groups), 1U);
+  EXPECT_EQ(find_pattern({"hot"}, "inlet+hot walls", "c", groups), std::nullopt);
+  try {
+    find_pattern({"*", "hot walls", "inlet"}, "inlet+hot walls", "case.toml", groups);
+    FAIL() << "was accepted";
+  } catch (const Error& error) {
+    EXPECT_STREQ(error.what(),
+                 "case.toml: expected one name that stands for \"inlet+hot walls\", found \"hot walls\" and \"inlet\"");
+  }
+}
+
 TEST(FindPattern, RefusesTwoThatStandForOneName) {
   try {
     find_pattern({"body_*", "far", "*_1"}, "body_1", "case.toml");

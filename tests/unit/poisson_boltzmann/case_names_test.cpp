@@ -62,6 +62,28 @@ TEST(ResolveNames, FindsTheConditionOfASphereBeforeTheMeshIsKnown) {
   EXPECT_NO_THROW(resolved(text));
 }
 
+TEST(ResolveNames, PutsAllItsPatchesInThePlaceOfAGroup) {
+  auto grouped = patches;
+  grouped[0].groups = {{1, "left"}, {2, "spheres"}};
+  grouped[1].groups = {{2, "spheres"}, {3, "right"}};
+  const auto of = [&](const std::string& text) { return resolve_names(read_case(text, "c"), grouped, "c"); };
+  const auto rest = condition("*", "symmetry");
+  const auto input =
+      of("[[body]]\nname = \"pair\"\npatches = [\"spheres\"]\n" + condition("spheres", "charge", "2") + rest);
+  for (const auto* name : {"body_1", "body_2"}) EXPECT_EQ(input.find_boundary(name)->condition, Condition::charge);
+  EXPECT_EQ(input.find_boundary("far")->condition, Condition::symmetry);
+  EXPECT_THAT(input.bodies.at(0).patches, ElementsAre("body_1", "body_2"));
+  const auto own = of(condition("spheres", "charge", "2") + condition("body_2", "symmetry") + rest);
+  EXPECT_EQ(own.find_boundary("body_2")->condition, Condition::symmetry);
+  try {
+    of(condition("spheres", "charge", "2") + condition("left", "symmetry") + rest);
+    FAIL() << "was accepted";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(),
+                HasSubstr("expected one name that stands for \"body_1\", found \"left\" and \"spheres\""));
+  }
+}
+
 TEST(ResolveNames, RefusesWhatIsAmbiguousOrStandsForNothing) {
   const auto walls =
       condition("body_*", "potential", "1") + condition("far", "symmetry") + condition("plate", "symmetry");

@@ -183,9 +183,9 @@ void read_reference(const TomlTable& table, Case& c) {
   r.multiplier = table.number_or("multiplier", 1, {1e-6, 1e6});
   if (table.has("patches")) r.patches = table.texts("patches");
   for (const auto& patch : r.patches) {
-    if (is_name_pattern(patch)) continue;  // the mesh tells which
+    if (is_name_pattern(patch)) continue;  // the mesh tells which, and what is the name of a group
     const auto* condition = c.find_boundary(patch);
-    if (condition == nullptr || !condition->is_wall())
+    if (condition != nullptr && !condition->is_wall())
       table.refuse("patches", "names of walls", fmt::format("\"{}\"", patch));
   }
 }
@@ -248,10 +248,10 @@ void add_flux_plane(const TomlTable& table, Case& c) {
 
 }  // namespace
 
-const BoundaryCondition* Case::find_boundary(const std::string& patch) const {
+const BoundaryCondition* Case::find_boundary(const std::string& patch, const std::vector<std::string>& groups) const {
   std::vector<std::string> names;
   for (const auto& [name, condition] : boundary) names.push_back(name);
-  const auto found = find_pattern(names, patch, where + ": [boundary.PATCH]");
+  const auto found = find_pattern(names, patch, where + ": [boundary.PATCH]", groups);
   return found ? &boundary.at(names[*found]) : nullptr;
 }
 

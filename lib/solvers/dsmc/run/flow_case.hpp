@@ -60,9 +60,9 @@ struct Case {
   std::vector<ProbePlane> plane;      ///< [[plane]] with `points`
   std::vector<FluxPlane> flux_plane;  ///< [[plane]] without: what passes it is counted
 
-  /// The condition of a patch: of its own name, or of the pattern that stands for it. Null if there is none; throws
-  /// `Error` if two patterns stand for it.
-  const BoundaryCondition* find_boundary(const std::string& patch) const;
+  /// The condition of a patch in these groups: of its own name, of a group, or of the pattern that stands for it. Null
+  /// if there is none; throws `Error` if two groups or two patterns stand for it.
+  const BoundaryCondition* find_boundary(const std::string& patch, const std::vector<std::string>& groups = {}) const;
 };
 
 /// Reads a case file (docs/tools/pamr-dsmc.md). `where` is its name; species may come from a file beside it. Throws

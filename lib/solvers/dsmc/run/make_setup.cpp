@@ -34,14 +34,9 @@ std::vector<BoundaryCondition> conditions_of(const par::Comm& comm, const Case& 
   std::string missing;
   for (std::size_t p = 0; p < inside.size(); ++p) {
     const auto& patch = mesh.info.patches[p];
-    if (inside[p] && c.boundary.contains(patch.name))
-      throw Error(
-          fmt::format("{}: expected a condition at the boundary, found \"{}\", whose faces lie inside the gas: "
-                      "these are no walls yet",
-                      c.boundary_at.at(patch.name), patch.name));
     if (inside[p])
       conditions.emplace_back().kind = BoundaryCondition::Kind::symmetry;
-    else if (const auto* found = c.find_boundary(patch.name))
+    else if (const auto* found = c.find_boundary(patch.name, mesh::group_names(patch)))
       conditions.push_back(*found);
     else
       missing += fmt::format("{}{}", missing.empty() ? "" : ", ", patch.name);
@@ -51,14 +46,20 @@ std::vector<BoundaryCondition> conditions_of(const par::Comm& comm, const Case& 
         fmt::format("{}: expected a table [boundary.PATCH] for every patch of the mesh, found none for {} (PATCH "
                     "may stand for several, such as \"*\")",
                     c.where, missing));
-  for (const auto& [name, condition] : c.boundary)
-    if (mesh::find_patches(mesh.info.patches, name).empty())
-      throw Error(fmt::format("{}: expected a patch of the mesh ({}) in [boundary.PATCH], found \"{}\"",
-                              c.boundary_at.at(name), mesh::list_patches(mesh.info.patches), name));
+  for (const auto& [name, condition] : c.boundary) {
+    const auto found = mesh::require_patches(mesh.info.patches, name, c.boundary_at.at(name) + ": [boundary.PATCH]");
+    if (std::all_of(found.begin(), found.end(), [&](int patch) { return inside[at(patch)]; }))
+      throw Error(
+          fmt::format("{}: expected a condition at the boundary, found \"{}\", whose faces lie inside the gas: "
+                      "these are no walls yet",
+                      c.boundary_at.at(name), name));
+  }
   const auto number = [&](const std::string& name) {
-    const auto& patches = mesh.info.patches;
-    const auto found = std::find_if(patches.begin(), patches.end(), [&](const auto& p) { return p.name == name; });
-    return static_cast<int>(found - patches.begin());
+    const auto found = mesh::find_patches(mesh.info.patches, name);
+    if (found.size() != 1)
+      throw Error(fmt::format("{}: expected one patch of kind \"periodic\", found that \"{}\" stands for {}",
+                              c.boundary_at.at(name), name, found.size()));
+    return found.front();
   };
   for (const auto& [name, partner] : c.partner) conditions[at(number(name))].partner = number(partner);
   return conditions;

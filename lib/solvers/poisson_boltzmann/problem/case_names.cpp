@@ -27,7 +27,8 @@ std::vector<Boundary> resolved_boundary(const std::vector<Boundary>& stated, con
   for (const auto& b : stated) names.push_back(b.patch);
   std::vector<Names> found(stated.size());
   for (const auto& patch : patches)
-    if (const auto i = find_pattern(names, patch.name, where + ": [boundary.PATCH]")) found[*i].push_back(patch.name);
+    if (const auto i = find_pattern(names, patch.name, where + ": [boundary.PATCH]", mesh::group_names(patch)))
+      found[*i].push_back(patch.name);
   std::vector<Boundary> result;
   for (std::size_t i = 0; i < stated.size(); ++i) {
     if (mesh::find_patches(patches, stated[i].patch).empty()) result.push_back(stated[i]);
@@ -36,7 +37,7 @@ std::vector<Boundary> resolved_boundary(const std::vector<Boundary>& stated, con
   return result;
 }
 
-/// Names of the patches of given potential or charge for which a pattern stands.
+/// Names of the patches of given potential or charge for which the name of a group or a pattern stands.
 Names electrodes_named(const std::string& pattern, const std::vector<mesh::Patch>& patches, const Case& input) {
   Names names;
   for (const int patch : mesh::find_patches(patches, pattern))
@@ -66,7 +67,8 @@ Case resolve_names(Case input, const std::vector<mesh::Patch>& patches, const st
   for (auto& body : input.bodies) {
     Names all;
     for (const auto& name : std::exchange(body.patches, {})) {
-      const auto found = is_name_pattern(name) ? electrodes_named(name, patches, input) : Names{name};
+      const bool is_unknown = !is_name_pattern(name) && mesh::find_patches(patches, name).empty();
+      const auto found = is_unknown ? Names{name} : electrodes_named(name, patches, input);
       if (found.empty())
         throw Error(
             fmt::format("{}: expected patches of the mesh with condition \"potential\" or \"charge\" in [[body]] "

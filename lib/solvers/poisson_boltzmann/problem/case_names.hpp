@@ -13,9 +13,9 @@ namespace pamr::poisson_boltzmann {
 /// several patches has the name of one. What patterns stand for is left to `resolve_names`. Local.
 void require_bodies(const Case& input, const std::string& where);
 
-/// The case with the names of the mesh's patches in the place of patterns. In the patches of a body a pattern stands
-/// for those of given potential or charge. A pattern of [boundary] that stands for no patch stays, for `make_domain` to
-/// refuse. Throws `Error` if two patterns of [boundary] stand for one patch, a pattern of a body for none, and as
+/// The case with the names of the mesh's patches in the place of groups and patterns. In the patches of a body these
+/// stand for those of given potential or charge. One of [boundary] that stands for no patch stays, for `make_domain` to
+/// refuse. Throws `Error` if two groups or two patterns of [boundary] stand for one patch, a pattern of a body for none, and as
 /// `require_bodies`. Local.
 Case resolve_names(Case input, const std::vector<mesh::Patch>& patches, const std::string& where);
 
