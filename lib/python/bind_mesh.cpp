@@ -53,6 +53,14 @@ std::vector<mesh::Field> fields_of(const std::vector<FieldIn>& all) {
 /// Of a tag its name and kind, of a group that was left out its dimension and name; then a number.
 using TagIn = std::tuple<std::int64_t, std::string, std::string>;
 using GroupIn = std::tuple<int, std::string, std::int64_t>;
+/// Numbers and names of groups.
+using Groups = std::vector<std::pair<std::int64_t, std::string>>;
+
+Groups groups_of(const std::vector<mesh::Group>& all) {
+  Groups groups;
+  for (const auto& group : all) groups.emplace_back(group.number, group.name);
+  return groups;
+}
 
 /// Arguments of `Mesh._of_arrays` as arrays.
 struct Given {
@@ -63,6 +71,7 @@ struct Given {
   std::string length_unit;
   std::vector<std::pair<std::int64_t, std::string>> regions;
   std::vector<GroupIn> unused;
+  std::vector<std::tuple<int, std::int64_t, Groups>> joint;
   bool has_boundary = true;
 };
 
@@ -79,6 +88,8 @@ MeshArrays to_arrays(const Given& given) {
   arrays.length_unit = given.length_unit;
   for (const auto& [number, name] : given.regions) arrays.regions.push_back({number, name});
   for (const auto& [dimension, name, n] : given.unused) arrays.unused_groups.push_back({dimension, name, n});
+  for (const auto& [dimension, tag, groups] : given.joint)
+    for (const auto& [number, name] : groups) arrays.joint[{dimension, tag}].push_back({number, name});
   arrays.has_boundary = given.has_boundary;
   return arrays;
 }
@@ -289,6 +300,16 @@ void bind_mesh(py::module_& module) {
     for (const auto& patch : mesh.mesh.info.patches) numbers.push_back(patch.number);
     return numbers;
   });
+  type.def_property_readonly("patch_groups", [](const PythonMesh& mesh) {
+    std::vector<Groups> groups;
+    for (const auto& patch : mesh.mesh.info.patches) groups.push_back(groups_of(patch.groups));
+    return groups;
+  });
+  type.def_property_readonly("region_groups", [](const PythonMesh& mesh) {
+    std::vector<std::pair<std::int64_t, Groups>> groups;
+    for (const auto& region : mesh.mesh.info.regions) groups.emplace_back(region.number, groups_of(region.groups));
+    return groups;
+  });
   type.def_property_readonly("regions", [](const PythonMesh& mesh) {
     std::vector<std::pair<std::int64_t, std::string>> regions;
     for (const auto& region : mesh.mesh.info.regions) regions.emplace_back(region.number, region.name);
@@ -323,6 +344,7 @@ void bind_mesh(py::module_& module) {
       .def_readwrite("length_unit", &Given::length_unit)
       .def_readwrite("regions", &Given::regions)
       .def_readwrite("unused", &Given::unused)
+      .def_readwrite("joint", &Given::joint)
       .def_readwrite("has_boundary", &Given::has_boundary);
   module.def("from_arrays", from_arrays);
   module.def("read", read, py::call_guard<py::gil_scoped_release>());

@@ -36,6 +36,8 @@ io::ElementParts to_parts(const par::Comm& comm, MeshArrays arrays) {
   for (const auto& corners : arrays.cells) parts.tetrahedron.push_back({corners, 0});
   for (std::size_t t = 0; t < arrays.triangles.size(); ++t)
     parts.triangle.push_back({arrays.triangles[t], arrays.tags[t]});
+  for (const auto& [tag, groups] : arrays.joint)
+    for (const auto& group : groups) parts.joint[tag].insert(group.number);
   for (const auto& [tag, patch] : arrays.patch_of_tag) parts.group_name[{2, tag}] = patch.name;
   for (const auto& region : arrays.regions) parts.group_name[{3, region.number}] = region.name;
   parts.cell_fields = std::move(arrays.cell_fields);
@@ -69,12 +71,20 @@ void leave_to_arrays(PythonMesh& mesh, bool on_cells, mesh::Field& field) {
 MadeMesh mesh_from_arrays(std::shared_ptr<const par::Comm> comm, MeshArrays arrays, const std::string& source,
                           const io::ElementOptions& options) {
   MadeMesh made{std::make_shared<PythonMesh>(), 0, {}};
-  const auto patch_of_tag = arrays.patch_of_tag;
+  auto patch_of_tag = arrays.patch_of_tag;
+  const auto joint = arrays.joint;
+  for (const auto& [tag, groups] : joint)
+    if (const auto found = patch_of_tag.find(tag.second); tag.first == 2 && found != patch_of_tag.end()) {
+      found->second.groups = groups;
+      found->second.number = -1;
+    }
   const auto unused = arrays.unused_groups;
   const bool has_boundary = comm->any(arrays.has_boundary);
   const auto length_unit = arrays.length_unit;
   auto read = io::mesh_of_elements(*comm, to_parts(*comm, std::move(arrays)), source, options,
                                    [&](std::int64_t tag) { return patch_of_tag.at(tag); });
+  for (auto& region : read.mesh.info.regions)
+    if (const auto found = joint.find({3, region.number}); found != joint.end()) region.groups = found->second;
   read.mesh.info.length_unit = length_unit;
   validate::require_valid(*comm, read.mesh, source);
   if (!has_boundary) read.n_untagged_faces = 0;

@@ -46,7 +46,9 @@ struct MeshArrays {
   std::string length_unit;
   std::vector<mesh::Region> regions;           ///< ascending
   std::vector<io::UnusedGroup> unused_groups;  ///< that have been left out already, on the first rank
-  bool has_boundary = true;                    ///< else faces without a triangle are no news
+  /// Of groups that stand for several, by dimension and tag, these in ascending order.
+  std::map<std::pair<int, std::int64_t>, std::vector<mesh::Group>> joint;
+  bool has_boundary = true;  ///< else faces without a triangle are no news
 };
 
 struct MadeMesh {

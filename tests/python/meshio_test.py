@@ -92,15 +92,22 @@ def test_cell_sets_are_patches_and_regions():
     import meshio
     sets = {"inlet": [np.array([0, 1]), np.array([0])], "wall": [np.array([1, 2]), np.array([0, 1])]}
     mesh, told = taken(meshio.Mesh(POINTS, [("tetra", CELLS), ("triangle", FLOOR)], cell_sets=sets))
-    assert faces_of(mesh) == {"inlet": 1, "wall": 1, "boundary": 10} and mesh.regions == {1: "inlet", 2: "wall"}
-    assert sorted(np.concatenate(COMM.allgather(mesh.cell_fields["region"]))) == [0, 0, 0, 1, 1, 2]
-    assert ["1 triangle is in the cell sets 'inlet' and 'wall': it stays in 'inlet'" in told[0],
-            "1 tetrahedron is in the cell sets 'inlet' and 'wall': it stays in 'inlet'" in told[1], len(told)] == [True, True, 2]
+    assert faces_of(mesh) == {"wall": 1, "inlet+wall": 1, "boundary": 10} and told == [], (faces_of(mesh), told)
+    assert mesh.regions == {1: "inlet", 2: "wall", 3: "inlet+wall"}
+    assert sorted(np.concatenate(COMM.allgather(mesh.cell_fields["region"]))) == [0, 0, 0, 1, 2, 3]
+    groups = {1: "inlet", 2: "wall"}
+    assert mesh.patch_groups == {"inlet+wall": groups} and mesh.region_groups == {3: groups}
     by_tags = meshio.Mesh(POINTS, [("triangle", FLOOR), ("tetra", CELLS)], cell_sets={"all": [[0, 1], []], "gmsh:x": [[0], [0]]},
                           cell_data={"gmsh:physical": [[4, 5], [1] * 6]}, field_data={"all": [4, 2], "in": [5, 2]})
     mesh, told = taken(by_tags)
-    assert set(mesh.patches) == {"all", "in", "boundary"}
-    assert ["1 triangle of the cell set 'all' is in 'in' by its tag" in text for text in told] == [True]
+    assert set(mesh.patches) == {"all", "all+in", "boundary"} and mesh.patch_groups == {"all+in": {4: "all", 5: "in"}} and told == []
+    by_tags.cell_sets = {"third": [[1], [0]], "fourth": [[1], []]}
+    mesh, told = taken(by_tags)
+    assert mesh.patch_groups == {"in+third+fourth": {5: "in", 6: "third", 7: "fourth"}} and told == [], (mesh.patch_groups, told)
+    assert mesh.region_groups == {3: {1: "physical_1", 2: "third"}} and mesh.regions[3] == "physical_1+third", mesh.regions
+    by_tags.cell_data["mine"] = [[4, 4], [0] * 6]
+    mesh, told = taken(by_tags, tags="mine")
+    assert mesh.regions == {1: "third"} and COMM.allreduce(int((mesh.cell_fields["region"] == 1).sum())) == 1, mesh.regions
 
 
 def test_cell_sets_are_masks_or_numbers_within_their_blocks():
@@ -122,7 +129,8 @@ def test_cell_sets_are_masks_or_numbers_within_their_blocks():
     assert "cell set 'in': expected cells of each of 3 blocks, found those of 2" in refused(with_set([0], [0]))
 
 
-def test_groups_that_overlap_are_counted():
+@in_folder
+def test_elements_in_several_groups_keep_them_as_in_files():
     import meshio
     twice = np.concatenate([FLOOR, FLOOR[:1][:, [2, 0, 1]]])
     given = meshio.Mesh(POINTS, [("triangle", twice), ("tetra", np.concatenate([CELLS[::-1], CELLS]))],
@@ -130,10 +138,18 @@ def test_groups_that_overlap_are_counted():
                                    "number": [np.zeros(3, int), np.arange(12)]},
                         field_data={"all": [2, 2], "inlet": [1, 2], "steel": [7, 3], "hot": [8, 3]})
     mesh, told = taken(given)
-    assert mesh.n_cells == 6 and faces_of(mesh) == {"inlet": 1, "all": 1, "boundary": 10}
-    assert sorted(np.concatenate(COMM.allgather(mesh.cell_fields["number"]))) == [6, 7, 8, 9, 10, 11]
-    assert "1 triangle is in the group 'inlet' and in 'all': it stays in 'inlet'" in told[0]
-    assert "6 tetrahedra are in the group 'steel' and in 'hot': they stay in 'steel'" in told[1] and len(told) == 2
+    assert mesh.n_cells == 6 and faces_of(mesh) == {"inlet+all": 1, "all": 1, "boundary": 10} and told == [], told
+    assert sorted(np.concatenate(COMM.allgather(mesh.cell_fields["number"]))) == [0, 1, 2, 3, 4, 5]
+    assert mesh.patch_groups == {"inlet+all": {1: "inlet", 2: "all"}} and mesh.region_groups == {1: {7: "steel", 8: "hot"}}
+    assert mesh.regions == {1: "steel+hot", 7: "steel", 8: "hot"}
+    for name in ("groups.msh", "groups.hdf"):
+        mesh.write(name)
+        back = pamr.Mesh.read(COMM, name)
+        assert faces_of(back) == faces_of(mesh) and back.regions == mesh.regions, name
+        assert back.patch_groups == mesh.patch_groups and back.region_groups == mesh.region_groups, name
+    given.field_data["inlet+all"] = [9, 2]
+    mesh, told = taken(given)
+    assert set(mesh.patches) == {"inlet+all+", "all", "boundary"} and "'inlet+all' (triangles)" in told[0], (mesh.patches, told)
 
 
 def test_groups_of_gmsh_keep_their_names_where_an_entity_is_reversed():

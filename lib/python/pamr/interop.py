@@ -24,6 +24,7 @@ def from_meshio(comm: Any, mesh: Any, tags: Optional[str] = None, names: Optiona
         "region" come before cell sets).
     names: of the tags; default: those of the file's physical surfaces (``field_data``).
     repair: as in ``Mesh.from_arrays``.
+    An element in several groups or cell sets is in a patch or region "A+B", which keeps them (``patch_groups``).
     Points and lines, and points of no tetrahedron, are left out. A Python warning on rank 0 counts what is, but for points and
     lines. Cells of other kinds raise pamr.Error.
     """
@@ -37,15 +38,15 @@ def from_meshio(comm: Any, mesh: Any, tags: Optional[str] = None, names: Optiona
         return parts_of(mesh, tags, names), bool(repair)
     parts = agree(comm, prepare)
     shape = comm.bcast(None if parts is None else (parts.names, parts.regions, _outline(parts.cell_fields),
-                                                   _outline(parts.node_fields)))
+                                                   _outline(parts.node_fields), parts.joint))
     if parts is None:
-        of_cells, of_nodes = ({k: np.empty((0,) + tail, dtype) for k, (dtype, tail) in fields.items()} for fields in shape[2:])
+        of_cells, of_nodes = ({k: np.empty((0,) + tail, dtype) for k, (dtype, tail) in fields.items()} for fields in shape[2:4])
         parts = Parts(np.empty((0, 3)), np.empty((0, 4), int), np.empty((0, 3), int), np.empty(0, int), *shape[:2], of_cells,
                       of_nodes)
     # Along the curve, and so in runs over the ranks: all cells are on rank 0.
     result, remarks = Mesh._of_arrays(comm, parts.points, parts.cells, (parts.triangles, parts.tags), shape[0],
                                       parts.cell_fields, parts.node_fields, "", "curve", repair, shape[1], "from_meshio",
-                                      parts.unused, False)
+                                      parts.unused, False, shape[4])
     for remark in parts.remarks + remarks if comm.rank == 0 else []:
         warnings.warn(f"from_meshio: {remark}", stacklevel=2)
     return result

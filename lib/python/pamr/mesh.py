@@ -128,9 +128,10 @@ class Mesh:
     @staticmethod
     def _of_arrays(comm: Any, points: Any, cells: Any, boundary: Any, names: Any, cell_fields: Any, node_fields: Any,
                    length_unit: str, order: str, repair: bool, regions: Any, source: str = "arrays", unused: Any = (),
-                   finite: bool = True) -> tuple["Mesh", list[str]]:
+                   finite: bool = True, joint: Any = ()) -> tuple["Mesh", list[str]]:
         """The same, with the warnings as texts. Errors begin with ``source``; ``unused``: groups that were left out before; ``finite``:
-        whether points have to be finite, where some may be left out."""
+        whether points have to be finite, where some may be left out; ``joint``: dimension and tag of what stands for several groups,
+        and their names by number."""
         require_comm(comm)
         n_points = [0]
 
@@ -181,6 +182,7 @@ class Mesh:
         given.points, given.cells, given.triangles, given.tags = array, corners, triangles, tags
         given.cell_fields, given.node_fields = at_cells, at_points
         given.length_unit, given.regions, given.unused = length_unit, region_names, list(unused)
+        given.joint = [(dimension, tag, sorted(groups.items())) for dimension, tag, groups in joint]
         given.has_boundary = boundary is not None
         core, n_turned, remarks = _core.from_arrays(_address(comm), given, source, ORDERS.index(order), bool(repair))
         mesh = Mesh(core, comm)
@@ -310,6 +312,16 @@ class Mesh:
     def patch_numbers(self) -> list[int]:
         """The numbers that the user gave the patches: physical groups, references, tags; -1 for those without one."""
         return self._core.patch_numbers
+
+    @property
+    def patch_groups(self) -> dict[str, dict[int, str]]:
+        """The user's groups, {number: name}, of each patch whose faces are in several; the patch is the only group of the others."""
+        return {name: dict(groups) for name, groups in zip(self.patches, self._core.patch_groups) if groups}
+
+    @property
+    def region_groups(self) -> dict[int, dict[int, str]]:
+        """The same of regions, by their values in the cell field "region"."""
+        return {number: dict(groups) for number, groups in self._core.region_groups if groups}
 
     @property
     def regions(self) -> dict[int, str]:

@@ -34,6 +34,7 @@ class Parts:
     node_fields: dict
     remarks: list[str] = field(default_factory=list)  #: what was left out
     unused: list[tuple[int, str, int]] = field(default_factory=list)  #: groups of points and lines: dimension, name, elements
+    joint: list[tuple[int, int, dict[int, str]]] = field(default_factory=list)  #: dimension, tag, the groups that it stands for
 
 
 @dataclass
@@ -44,39 +45,36 @@ class Group:
     tags: Optional[np.ndarray]
     names: dict
     sets: dict[str, np.ndarray]  #: rows of each cell set
-
-    def counted(self, n: int, one: str, many: str) -> str:
-        """n of them with a verb: "1 triangle is", "2 triangles are"."""
-        things = ("triangle", "triangles") if self.kind == "triangle" else ("tetrahedron", "tetrahedra")
-        return f"{n} {things[n != 1]} {(one, many)[n != 1]}"
+    prefix: str  #: of the names of tags that have none
+    joint: dict[int, dict[int, str]] = field(default_factory=dict)  #: of tags that stand for several groups: these
 
     def name(self, tag: int) -> str:
-        return self.names.get(tag, f"patch_{tag}" if self.kind == "triangle" else f"{REGION} {tag}")
+        return self.names.get(tag, f"{self.prefix}{tag}")
 
 
 def parts_of(mesh: Any, tags: Optional[str], names: Optional[Mapping[int, str]]) -> Parts:
     """What there is in the mesh; raises Error for what cannot be taken."""
     _require_tetrahedra(mesh)
     key, remarks = _key_of(mesh, tags), []
-    triangle, tetra = _group(mesh, "triangle", key, names), _group(mesh, "tetra", key, None)
-    kept = _leave_one_of_each(mesh, key, triangle, remarks), _leave_one_of_each(mesh, key, tetra, remarks)
+    triangle, tetra = _group(mesh, "triangle", key, names), _group(mesh, "tetra", key if key in TAGS else None, None)
+    kept = _join_copies(mesh, key, tetra)
+    _join_copies(mesh, key, triangle)
     for group in (triangle, tetra):
-        if key is None:
-            _tag_by_sets(group, remarks)
-        else:
-            _compare_sets(group, remarks)
+        _join_sets(group)
+    if key is None and triangle.tags is not None:
+        triangle.nodes, triangle.tags = triangle.nodes[triangle.tags > 0], triangle.tags[triangle.tags > 0]
     if triangle.tags is None and len(triangle.nodes):
         found = ", ".join(repr(k) for k, v in mesh.cell_data.items() if all(np.asarray(a).dtype.kind in "iu" for a in v))
         remarks.append(f"{len(triangle.nodes)} triangles without tags were left out"
                        + (f" (tags= takes one of {found})" if found else ""))
-    of_cells = {k: _joined(mesh, "tetra", f"cell data {k!r}", v)[kept[1]] for k, v in mesh.cell_data.items()
+    of_cells = {k: _joined(mesh, "tetra", f"cell data {k!r}", v)[kept] for k, v in mesh.cell_data.items()
                 if (k != key or key not in TAGS + OWN_TAGS) and (k != ENTITY or key != PHYSICAL)}
     if "level" in of_cells and of_cells["level"].dtype == np.uint8:  # what our files show to viewers
         del of_cells["level"]
         remarks.append("cell data 'level' of type uint8 were left out: files of PAMR show the levels of cells by this name")
     if key in OWN_TAGS and "mean_ratio" in of_cells and of_cells["mean_ratio"].dtype == np.float32:
         del of_cells["mean_ratio"]  # worked out for viewers
-    _choose_regions(tetra, key, of_cells, remarks)
+    _choose_regions(tetra, key if key in TAGS else None, of_cells, remarks)
     left_out = [f"'{name}' ({len(points)} points)" for name, points in mesh.point_sets.items()]
     if left_out:
         remarks.append(f"point sets were left out: {', '.join(left_out)}")
@@ -90,7 +88,9 @@ def parts_of(mesh: Any, tags: Optional[str], names: Optional[Mapping[int, str]])
     regions = tetra.names if REGION in of_cells and of_cells[REGION] is tetra.tags else {}
     of_points = {k: plain(f"point data {k!r}", v) for k, v in mesh.point_data.items()}
     return Parts(points, tetra.nodes, *tagged, triangle.names, regions, of_cells, of_points, remarks,
-                 _groups_of_points_and_lines(mesh, key))
+                 _groups_of_points_and_lines(mesh, key),
+                 [(2, tag, groups) for tag, groups in triangle.joint.items()]
+                 + [(3, tag, groups) for tag, groups in tetra.joint.items() if tag in regions])
 
 
 def _groups_of_points_and_lines(mesh: Any, key: Optional[str]) -> list[tuple[int, str, int]]:
@@ -156,7 +156,7 @@ def _group(mesh: Any, kind: str, key: Optional[str], names: Optional[Mapping[int
     names = dict(names)
     if dimension == 2 and key in PREFIX:
         names = {**{tag: f"{PREFIX[key]}{tag}" for tag in np.unique(tags).tolist()}, **names}
-    return Group(kind, nodes, tags, names, _sets(mesh, kind))
+    return Group(kind, nodes, tags, names, _sets(mesh, kind), PREFIX.get(key, "patch_" if dimension == 2 else f"{REGION}_"))
 
 
 def _numbers(name: str, values: np.ndarray, n: int) -> np.ndarray:
@@ -197,47 +197,79 @@ def _rows_in_block(name: str, array: Any, n: int) -> np.ndarray:
     return rows
 
 
-def _leave_one_of_each(mesh: Any, key: Optional[str], group: Group, remarks: list[str]) -> np.ndarray:
-    """Leaves out what Gmsh's format 2.2 writes again for each further group of an entity: those in the group with the smallest number
-    stay. Returns which rows stay."""
+def _join_copies(mesh: Any, key: Optional[str], group: Group) -> np.ndarray:
+    """Makes one of the copies of an element that Gmsh's format 2.2 writes for each group of its entity, in all of these. Returns which
+    rows stay."""
     kept = np.ones(len(group.nodes), bool)
     if key != PHYSICAL or ENTITY not in mesh.cell_data or group.tags is None or not len(kept):
         return kept
     entity = integers(ENTITY, _joined(mesh, group.kind, ENTITY, mesh.cell_data[ENTITY]), (len(kept),))
     if len(np.unique(np.stack([entity, group.tags]), axis=1)[0]) == len(np.unique(entity)):
         return kept
-    _, place = np.unique(np.sort(group.nodes, axis=1), axis=0, return_inverse=True)
-    smallest = np.full(len(kept), np.iinfo(np.int64).max)
-    np.minimum.at(smallest, place.ravel(), group.tags)
-    kept = group.tags == smallest[place.ravel()]
-    pairs = Counter(zip(smallest[place.ravel()][~kept].tolist(), group.tags[~kept].tolist()))
-    for (one, other), n in sorted(pairs.items()):
-        first, second = group.name(one), group.name(other)
-        remarks.append(f"{group.counted(n, 'is', 'are')} in the group '{first}' and in '{second}': "
-                       f"{'it stays' if n == 1 else 'they stay'} in '{first}', which has the smaller number")
-    gone = set(group.tags[~kept].tolist()) - set(group.tags[kept].tolist())
-    group.names = {tag: name for tag, name in group.names.items() if tag not in gone}
-    rows = np.cumsum(kept) - 1
-    group.sets = {name: rows[members[kept[members]]] for name, members in group.sets.items()}
+    _, first, place = np.unique(np.sort(group.nodes, axis=1), axis=0, return_index=True, return_inverse=True)
+    row = first[place.ravel()]
+    pairs = np.unique(np.stack([row, group.tags], axis=1), axis=0)
+    in_several = np.bincount(pairs[:, 0], minlength=len(kept)) > 1
+    kept = (row == np.arange(len(kept))) | ~in_several[row]
+    new_row = np.cumsum(kept) - 1
+    group.sets = {name: np.unique(new_row[row[members]]) for name, members in group.sets.items()}
+    pairs = pairs[in_several[pairs[:, 0]]]
     group.nodes, group.tags = group.nodes[kept], group.tags[kept]
+    _join(group, np.stack([new_row[pairs[:, 0]], pairs[:, 1]], axis=1))
     return kept
 
 
-def _tag_by_sets(group: Group, remarks: list[str]) -> None:
-    """Where there are no tags: the number of the first cell set that each is in, 0 without one."""
+def _join_sets(group: Group) -> None:
+    """Cell sets are groups, too: of the number that has their name, or of one that is free."""
     if not group.sets:
         return
-    group.tags = np.zeros(len(group.nodes), np.int64)
-    group.names = {**{i + 1: name for i, name in enumerate(group.sets)}, **group.names}
-    for number, (name, rows) in enumerate(group.sets.items(), 1):
-        before = group.tags[rows]
-        for other, n in sorted(Counter(before[before > 0].tolist()).items()):
-            remarks.append(f"{group.counted(n, 'is', 'are')} in the cell sets '{group.name(other)}' and '{name}': "
-                           f"{'it stays' if n == 1 else 'they stay'} in '{group.name(other)}', which comes first")
-        group.tags[rows[before == 0]] = number
-    if group.kind == "triangle":
-        inside = group.tags > 0
-        group.nodes, group.tags = group.nodes[inside], group.tags[inside]
+    if group.tags is None:
+        group.tags = np.zeros(len(group.nodes), np.int64)
+    numbers = {name: tag for tag, name in group.names.items() if tag not in group.joint}
+    pairs = [np.stack([rows, group.tags[rows]], axis=1) for rows in group.sets.values()]
+    free = max([0, *group.names, *np.unique(group.tags).tolist()]) + 1
+    for name, rows in group.sets.items():
+        number = numbers.setdefault(name, free)
+        group.names[number] = name
+        free += number == free
+        pairs.append(np.stack([rows, np.full(len(rows), number)], axis=1))
+    pairs = np.concatenate(pairs)
+    _join(group, pairs[pairs[:, 1] != 0])
+
+
+def _join(group: Group, pairs: np.ndarray) -> None:
+    """Gives each row of the pairs (row, group) the tag of its group, or where it has several one that stands for these: the lowest free
+    number, with the name A+B."""
+    before = set(np.unique(group.tags).tolist())
+    parts = {joint: set(groups) for joint, groups in group.joint.items()}
+    rows, place = np.unique(pairs[:, 0], return_inverse=True)
+    label = np.zeros(len(rows), np.int64)  # equal for rows in the same groups
+    for number in np.unique(pairs[:, 1]):
+        is_in = np.zeros(len(rows), bool)
+        is_in[place.ravel()[pairs[:, 1] == number]] = True
+        _, label = np.unique(2 * label + is_in, return_inverse=True)
+    first = np.unique(label, return_index=True)[1]
+    found = [tuple(sorted(set().union(*(parts.get(tag, {tag}) for tag in pairs[pairs[:, 0] == row, 1].tolist()))))
+             for row in rows[first].tolist()]
+    tags = {}
+    for groups in sorted(set(found)):
+        known = [tag for tag, numbers in parts.items() if numbers == set(groups)]
+        if len(groups) == 1 or known:
+            tags[groups] = known[0] if known else groups[0]
+            continue
+        taken = before | set(group.names) | set(group.joint)
+        tags[groups] = tag = next(number for number in range(1, len(taken) + 2) if number not in taken)
+        group.joint[tag] = {number: group.name(number) for number in groups}
+        name = "+".join(group.joint[tag].values())
+        while name in group.names.values():
+            name += "+"
+        group.names[tag] = name
+    group.tags = group.tags.copy()
+    group.tags[rows] = np.array([tags[groups] for groups in found], np.int64)[label] if len(rows) else []
+    used = set(np.unique(group.tags).tolist())
+    group.joint = {tag: groups for tag, groups in group.joint.items() if tag in used}
+    known = used.union(*group.joint.values())
+    group.names = {tag: name for tag, name in group.names.items() if tag in known or tag not in before}
 
 
 def _choose_regions(tetra: Group, key: Optional[str], of_cells: dict, remarks: list[str]) -> None:
@@ -245,7 +277,7 @@ def _choose_regions(tetra: Group, key: Optional[str], of_cells: dict, remarks: l
     given = of_cells.get(REGION)
     if given is not None:
         given = of_cells[REGION] = _numbers(f"cell data '{REGION}'", given, len(tetra.nodes))
-    if tetra.tags is None or (key is not None and key not in TAGS):
+    if tetra.tags is None:
         return
     if given is None or np.array_equal(given, tetra.tags):
         of_cells[REGION] = tetra.tags
@@ -256,12 +288,3 @@ def _choose_regions(tetra: Group, key: Optional[str], of_cells: dict, remarks: l
         n = int((given != tetra.tags).sum())
         remarks.append(f"cell data '{REGION}' were left out, the field '{REGION}' has {key!r}: {n} tetrahedra differ")
         of_cells[REGION] = tetra.tags
-
-
-def _compare_sets(group: Group, remarks: list[str]) -> None:
-    """Cell sets beside tags are kept as far as they say the same."""
-    for name, rows in group.sets.items():
-        for tag, n in sorted(Counter(group.tags[rows].tolist()).items()):
-            if group.name(tag) != name:
-                remarks.append(f"{group.counted(n, 'of', 'of')} the cell set '{name}' {'is' if n == 1 else 'are'} in "
-                               f"'{group.name(tag)}' by {'its tag and stays' if n == 1 else 'their tags and stay'} there")
