@@ -65,6 +65,35 @@ def test_other_patches_are_another_mesh():
     assert report["differences"][0]["count"] == 6 * 18
 
 
+def test_other_numbers_groups_and_conditions_are_noted():
+    run("pamr-convert", kuhn_cube("a.hdf", 1), "a.lb8.ugrid", "--kind", "xmin=wall", "--quiet")
+    run("pamr-convert", "a.lb8.ugrid", "b.hdf", "--quiet")
+    mapbc = pathlib.Path("a.mapbc")
+    mapbc.write_text(mapbc.read_text().replace("4000", "4010"))
+    run("pamr-convert", "a.lb8.ugrid", "c.hdf", "--quiet")
+    run("pamr-convert", "a.hdf", "a.msh", "--text", "--gmsh-version", "2.2", "--quiet")
+    text = pathlib.Path("a.msh").read_text()
+    pathlib.Path("n.msh").write_text(text.replace('2 1 "xmin"', '2 9 "xmin"').replace(" 2 2 1 ", " 2 2 9 "))
+    lines = text.split("$Elements\n")[1].split("\n")
+    again = lines[1].split()
+    again[0], again[3] = str(int(lines[0]) + 1), "2"
+    lines[:2] = [again[0], lines[1], " ".join(again)]
+    pathlib.Path("g.msh").write_text(text.split("$Elements\n")[0] + "$Elements\n" + "\n".join(lines))
+    for name in ("a", "n", "g"):
+        run("pamr-convert", f"{name}.msh", f"{name}2.hdf", "--quiet")
+    note = "other numbers, groups or conditions of patches"
+    assert note in run("pamr-diff", "b.hdf", "c.hdf").out
+    assert note in run("pamr-diff", "a2.hdf", "n2.hdf").out
+    assert "patches" in run("pamr-diff", "a2.hdf", "g2.hdf", code=1).out
+    shutil.copy("g2.hdf", "h2.hdf")
+    with h5py.File("h2.hdf", "r+") as file:
+        names = file["PAMR/patches/groups"].asstr()[:].tolist()
+        file["PAMR/patches/groups"][...] = [words.replace("xmin", "west") for words in names]
+        del file["PAMR/checksums"].attrs["PAMR/patches/groups"]
+    assert run("pamr-diff", "g2.hdf", "h2.hdf", "--json", "-").json["notes"] == [note]
+    assert "; " not in run("pamr-diff", "g2.hdf", "g2.hdf").out
+
+
 def test_bad_input_is_refused():
     kuhn_cube("a.hdf", 3)
     shutil.copy("a.hdf", "bad.hdf")

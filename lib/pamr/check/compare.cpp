@@ -106,7 +106,12 @@ void take_notes(const mesh::MeshInfo& a, const mesh::MeshInfo& b, Comparison& re
   };
   if (!std::equal(a.patches.begin(), a.patches.end(), b.patches.begin(), b.patches.end(), same_patch))
     result.notes.emplace_back("another list of patches, or other kinds or surfaces of them");
-  if (a.regions != b.regions) result.notes.emplace_back("other names of regions");
+  const auto same_origin = [](const mesh::Patch& p, const mesh::Patch& q) {
+    return p.number == q.number && p.condition == q.condition && p.groups == q.groups;
+  };
+  if (!std::equal(a.patches.begin(), a.patches.end(), b.patches.begin(), b.patches.end(), same_origin))
+    result.notes.emplace_back("other numbers, groups or conditions of patches");
+  if (a.regions != b.regions) result.notes.emplace_back("other names or groups of regions");
   const auto same = [](const auto& x, const auto& y) { return *x == *y; };
   const auto &data_a = a.surfaces->triangulations, &data_b = b.surfaces->triangulations;
   if (!std::equal(data_a.begin(), data_a.end(), data_b.begin(), data_b.end(), same))
