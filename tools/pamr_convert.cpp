@@ -47,7 +47,8 @@ void write(const cli::Session& session, const Options& options, const mesh::Dist
                   .gmsh = {options.gmsh_version == "2.2" ? io::GmshVersion::v2_2 : io::GmshVersion::v4_1, !options.text,
                            convert::interfaces_of(options)},
                   .second_order = second_order,
-                  .patches = options.patches});
+                  .patches = options.patches,
+                  .keeps_fields = !options.solution_out.empty()});
   if (!options.solution_out.empty()) io::write_medit_fields(comm, options.solution_out, mesh, options.solution_fields);
 }
 

@@ -142,6 +142,21 @@ def test_what_formats_without_a_place_leave_out_is_told():
         assert "1 face inside of 'physical_2' is left out" in err, (out, err)
 
 
+def test_fields_and_regions_without_a_place_are_told():
+    add_cell_field(kuhn_cube("all.hdf", 1), "T", np.arange(6.0))
+    add_cell_field("all.hdf", "region", np.arange(6) // 3)
+    temperature = "1 field is left out: 'T' on cells: files of"
+    both = "2 fields are left out: 'T' on cells, 'region' on cells: files of"
+    for out, words in (("all.msh", temperature), ("all.meshb", temperature), ("foam", temperature), ("all.su2", both),
+                       ("all.lb8.ugrid", both), ("all.vtu", ""), ("all.cgns", ""), ("all.stl", "")):
+        err = run("pamr-convert", "all.hdf", out).err
+        assert words in err if words else err == "", (out, err)
+    assert run("pamr-convert", "all.hdf", "with.meshb", "--sol-out", "with.sol").err == ""
+    run("pamr-mark", "all.hdf", "-o", "marked.hdf", "--crossing-sphere", "0,0,0,0.5", "--quiet")
+    run("pamr-refine", "marked.hdf", "-o", "fine.hdf", "--quiet")
+    assert temperature in run("pamr-convert", "fine.hdf", "fine.msh").err
+
+
 def test_what_has_no_interfaces():
     kuhn_cube("cube.hdf", 2)
     assert "nothing to write" in run("pamr-convert", "cube.hdf", "cube.msh", "--interfaces").err

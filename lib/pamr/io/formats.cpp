@@ -4,10 +4,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <iterator>
+#include <string_view>
 #include <system_error>
+#include <utility>
 
 #include "pamr/assemble/assemble.hpp"
+#include "pamr/base/counted.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/io/cgns/read_cgns.hpp"
 #include "pamr/io/elements/first_line.hpp"
@@ -29,6 +33,8 @@
 #include "pamr/io/vtk/read_legacy_vtk.hpp"
 #include "pamr/io/vtk/read_vtu.hpp"
 #include "pamr/mesh/inner_patches.hpp"
+#include "pamr/mesh/level0_key.hpp"
+#include "pamr/mesh/undescribed_patches.hpp"
 
 namespace pamr::io {
 
@@ -58,7 +64,9 @@ const std::vector<Format> table{
            write_native(comm, file, mesh, {.provenance = o.provenance, .format = o.format, .remark = o.remark});
          },
      .is_native = true,
-     .has_inner_patches = true},
+     .has_inner_patches = true,
+     .has_fields = true,
+     .has_regions = true},
     {.name = "Gmsh",
      .endings = {".msh"},
      .read = [](const Comm& comm, const Path& file,
@@ -71,6 +79,7 @@ const std::vector<Format> table{
          },
      .has_elements = true,
      .has_inner_patches = true,
+     .has_regions = true,
      .has_interfaces = true,
      .has_second_order = true,
      .has_text = true},
@@ -82,6 +91,8 @@ const std::vector<Format> table{
                  const Write& o) { write_vtu(comm, file, mesh, o.second_order); },
      .has_elements = true,
      .has_inner_patches = true,
+     .has_fields = true,
+     .has_regions = true,
      .has_second_order = true},
     {.name = "legacy VTK",
      .endings = {".vtk"},
@@ -100,6 +111,7 @@ const std::vector<Format> table{
                  const Write& o) { write_medit(comm, file, mesh, o.gmsh.interfaces); },
      .has_elements = true,
      .has_inner_patches = true,
+     .has_regions = true,
      .has_interfaces = true,
      .has_solutions = true},
     {.name = "MFEM",
@@ -130,7 +142,9 @@ const std::vector<Format> table{
      .write = [](const Comm& comm, const Path& file, const mesh::DistMesh& mesh,
                  const Write& o) { write_cgns(comm, file, mesh, o.remark); },
      .has_elements = true,
-     .has_inner_patches = true},
+     .has_inner_patches = true,
+     .has_fields = true,
+     .has_regions = true},
     {.name = "surface",
      .endings = {".stl", ".obj", ".ply", ".off"},
      .read = nullptr,
@@ -147,7 +161,8 @@ const std::vector<Format> table{
                  const Write& o) { write_foam(comm, file, mesh, o.remark); },
      .has_elements = true,
      .is_folder = true,
-     .has_inner_patches = true},
+     .has_inner_patches = true,
+     .has_regions = true},
 };
 
 std::string list(const std::vector<std::string_view>& endings, std::string_view before_last) {
@@ -167,6 +182,28 @@ std::string what_was_found(const Path& file) {
   }
   if (!format->instead_of_reading.empty()) return std::string(format->instead_of_reading);
   return fmt::format("{}: {} is only written", ending, format->name);
+}
+
+/// Fields that the format has no place for, in one sentence; empty if there are none. Those that refining and projecting
+/// keep for themselves are not counted.
+std::string text_of_lost_fields(const Format& format, const mesh::DistMesh& mesh, bool keeps_reals) {
+  constexpr std::array<std::string_view, 6> own{mesh::parent_field,      mesh::off_surface_field,
+                                                mesh::off_facets_field,  mesh::level0_key_field,
+                                                mesh::level0_cell_field, mesh::inner_patch_field};
+  std::string names;
+  std::int64_t n = 0;
+  const auto add = [&](const mesh::Field& field, const char* on) {
+    const bool has_place = field.name == mesh::region_field
+                               ? format.has_regions
+                               : format.has_fields || (keeps_reals && !field.holds_integers());
+    if (has_place || std::find(own.begin(), own.end(), field.name) != own.end()) return;
+    if (++n <= 10) names += fmt::format("{}'{}' on {}", n == 1 ? "" : ", ", field.name, on);
+  };
+  for (const auto& field : mesh.cell_fields) add(field, "cells");
+  for (const auto& field : mesh.node_fields) add(field, "nodes");
+  if (n == 0) return {};
+  return fmt::format("{} left out: {}{}: files of {} have no place for {}", counted(n, "field is", "fields are"), names,
+                     n > 10 ? ", ..." : "", format.name, n == 1 ? "it" : "them");
 }
 
 Error unknown_ending(const Path& file, const std::string& endings, const std::string& found) {
@@ -243,6 +280,9 @@ void write_mesh(const Comm& comm, const Path& file, const mesh::DistMesh& mesh, 
                                    ? "boundary condition (.mapbc) of 1 patch is"
                                    : fmt::format("boundary conditions (.mapbc) of {} patches are", n_conditions),
                                format.name, n_conditions == 1 ? "it" : "them"));
+  if (options.remark && !format.is_surface)
+    if (auto text = text_of_lost_fields(format, mesh, options.keeps_fields); !text.empty())
+      options.remark(std::move(text));
   if (format.has_inner_patches || format.is_surface || !options.remark) return;
   const auto n_faces = mesh::count_inner_faces(comm, mesh);
   for (std::size_t p = 0; p < n_faces.size(); ++p)

@@ -37,6 +37,7 @@ struct MeshWriteOptions {
   GmshWriteOptions gmsh = {};                                  ///< the interfaces are for Medit, too
   const mesh::SecondOrder* second_order = nullptr;             ///< null for linear cells
   std::vector<std::string> patches = {};                       ///< see `write_boundary`
+  Exact<bool> keeps_fields = false;                            ///< the caller writes the fields of reals elsewhere
 };
 
 struct Format {
@@ -53,6 +54,7 @@ struct Format {
   bool is_surface = false;    ///< holds the boundary alone
   bool is_folder = false;
   bool has_inner_patches = false;                         ///< has a place for patches of faces inside
+  bool has_fields = false, has_regions = false;           ///< has a place for fields, for the field `region`
   bool has_interfaces = false, has_second_order = false;  ///< can be written with these
   bool has_text = false;                                  ///< `GmshWriteOptions` hold
   bool has_solutions = false;                             ///< has fields in a `.sol` beside the mesh
@@ -83,8 +85,8 @@ std::string list_endings(const Format& format, std::string_view before_last);
 /// same `Error` on every rank.
 ElementMesh read_mesh(const par::Comm& comm, const std::filesystem::path& file, const MeshReadOptions& options = {});
 
-/// Writes a mesh. `options.remark` gets a sentence for patches of inner faces that the format has no place for. The bytes
-/// do not depend on the number of ranks. Collective; throws the same `Error` on every rank, and leaves nothing behind
+/// Writes a mesh. `options.remark` gets a sentence for fields, regions, conditions and patches of inner faces that the
+/// format has no place for. The bytes do not depend on the number of ranks. Collective; throws the same `Error` on every rank, and leaves nothing behind
 /// then.
 void write_mesh(const par::Comm& comm, const std::filesystem::path& file, const mesh::DistMesh& mesh,
                 const MeshWriteOptions& options = {});
