@@ -100,6 +100,76 @@ def test_dialects_of_formats_are_read():
 
 
 @in_folder
+def test_what_files_have_beside_a_mesh_is_told():
+    beside = "left out was what a mesh has no place for: "
+    values = '${0}\n1\n"T"\n1\n0.0\n3\n0\n1\n1\n1 2.5\n$End{0}\n'
+    sets = ('bdr_attribute_sets\n3\n"near" 1 1\n"again" 1 1\n"both" 2 1 2\n\nvertices\n')
+    field = "FIELD FieldData 2\nTIME 1 1 double\n3.5\nwho 1 1 string\nme\nPOINTS"
+    lines = VTK.replace("CELLS 5 21", "CELLS 7 26").replace("CELL_TYPES 5\n", "2 0 1\n1 0\nCELL_TYPES 7\n3\n1\n")
+    lines = lines.replace("3 1 2 3\n2 0 1\n1 0", "3 1 2 3\n2 0 1\n1 0").replace("7\n3\n1\n10\n5\n5\n5\n5", "7\n10\n5\n5\n5\n5\n3\n1")
+    lines = lines.replace("CELL_DATA 5", "CELL_DATA 7").replace("7 1 1 2 2", "7 1 1 2 2 4 4")
+    for name, text, words in [
+            ("nodes.msh", MSH + values.format("NodeData") * 2, [beside + "$NodeData (2)"]),
+            ("cells.msh", MSH + values.format("ElementData") + values.format("ElementNodeData"),
+             [beside + "$ElementData (1), $ElementNodeData (1)"]),
+            ("other.msh", MSH + "$Mine\n1\n$EndMine\n", [beside + "$Mine (1)"]),
+            ("edges.mesh", MEDIT.replace("End", "Edges\n2\n1 2 5\n2 3 5\nCorners 1\n1\nEnd"), [beside + "Corners (1), Edges (2)"]),
+            ("ridges.mesh", MEDIT.replace("Triangles 4", "Ridges\n1\n1\nRequiredVertices\n2\n1\n2\nTriangles 4"),
+             [beside + "RequiredVertices (2), Ridges (1)"]),
+            ("normals.mesh", MEDIT.replace("End", "Normals\n1\n0 0 1\nNormalAtVertices\n1\n1 1\nEnd"),
+             [beside + "NormalAtVertices (1), Normals (1)"]),
+            ("sets.mfem", MFEM.replace("v1.0", "v1.3").replace("vertices\n", sets),
+             ["the set 'both' of 2 attributes was left out", "the set 'again' was left out: attribute 1 is 'near'"]),
+            ("field.vtk", VTK.replace("POINTS", field, 1),
+             [f"the array '{array}' was left out: it is neither on points nor on cells" for array in ("TIME", "who")]),
+            ("lines.vtk", lines, ["2 points and lines were left out"])]:
+        mesh, told = read(name, text)
+        assert mesh.n_cells == 1 and told == words, (name, told)
+        assert words[0].split(":")[0] in error_of(lambda: pamr.Mesh.read(COMM, name, strict=True)), name
+
+
+@in_folder
+def test_what_cases_of_openfoam_have_beside_a_mesh_is_told():
+    def add(case, name):
+        if COMM.rank == 0:
+            (case / name).mkdir() if name == "sets" else (case / name).write_text("FoamFile\n{\n}\n0()\n")
+
+    def retype(case, name):
+        if COMM.rank == 0:
+            text = (case / "boundary").read_text()
+            (case / "boundary").write_text(text.replace("type patch;", f"type {name};", 1))
+    for change, name, words in [(add, "pointZones", "polyMesh has: pointZones"), (add, "sets", "polyMesh has: sets"),
+                                (add, "cellLevel", "polyMesh has: cellLevel"), (retype, "empty", "the type 'empty' of the patch 'xmin'"),
+                                (retype, "wedge", "the type 'wedge' of the patch 'xmin'"),
+                                (retype, "mappedWall", "the type 'mappedWall' of the patch 'xmin'")]:
+        pamr.Mesh.kuhn_cube(COMM, 1).write(f"case_{name}")
+        change(pathlib.Path(f"case_{name}/constant/polyMesh"), name)
+        COMM.barrier()
+        mesh, told = told_by(lambda: pamr.Mesh.read(COMM, f"case_{name}"))
+        assert mesh.n_cells == 6 and len(told) == 1 and words in told[0], (name, told)
+
+
+@in_folder
+def test_triangles_in_two_conditions_of_cgns_are_counted():
+    for name, part in (("all.cgns", 1), ("half.cgns", 2)):
+        mesh = pamr.Mesh.kuhn_cube(COMM, 2)
+        mesh.write(name)
+        if COMM.rank == 0:
+            import h5py
+            with h5py.File(name, "r+") as file:
+                conditions = file["Base/Zone1/ZoneBC"]
+                file.copy(conditions["xmin"], conditions, "other")
+                conditions["other"].attrs["name"] = np.bytes_("other")
+                numbers = conditions["other/PointRange/ data"]
+                numbers[1] = numbers[0] + (numbers[1] - numbers[0] + 1) // part - 1
+        COMM.barrier()
+        back, told = told_by(lambda: pamr.Mesh.read(COMM, name))
+        both = f"{8 // part} triangles are in the group "
+        assert sum(both in line and "'other'" in line and "'xmin'" in line for line in told) == 1, told
+        assert COMM.allreduce(len(back.boundary_faces().cells)) == 48, name
+
+
+@in_folder
 def test_files_of_other_programs_are_named_with_the_way_out():
     for name, text, words in [
             ("old.msh", "$NOD\n4\n1 0 0 0\n", ["line 1", "Gmsh's format 1", "-format msh41"]),

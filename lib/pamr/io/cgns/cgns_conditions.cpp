@@ -2,6 +2,7 @@
 #include "pamr/io/cgns/cgns_conditions.hpp"
 
 #include <algorithm>
+#include <map>
 #include <set>
 #include <tuple>
 #include <utility>
@@ -29,6 +30,8 @@ class ConditionReader {
     if (all.path.empty()) return;
     std::vector<std::uint8_t> is_in_condition(mesh_.triangle.size(), 0);
     std::set<std::int64_t> of_conditions;
+    std::set<std::size_t> is_named_cell;
+    std::map<std::tuple<int, std::string, std::string>, std::int64_t> shared;  ///< by dimension, name kept, other name
     for (const bool on_elements : {true, false})
       for (const auto& condition : tree_.children(all.path, "BC_t")) {
         const auto named = named_by(condition);
@@ -43,7 +46,10 @@ class ConditionReader {
             if (const auto found = elements_.triangle_of.find(number); found != elements_.triangle_of.end())
               triangles.push_back(found->second);
             if (const auto found = elements_.cell_of.find(number); found != elements_.cell_of.end()) {
-              elements_.group_of_cell[found->second] = name;
+              if (is_named_cell.insert(found->second).second)
+                elements_.group_of_cell[found->second] = name;
+              else if (elements_.group_of_cell[found->second] != name)
+                ++shared[{3, elements_.group_of_cell[found->second], name}];
               has_cells = elements_.has_named_cells = true;
             }
           }
@@ -55,10 +61,15 @@ class ConditionReader {
         mesh_.patch_of_tag[tag].kind = kind_of(type);
         of_conditions.insert(tag);
         for (const auto t : triangles) {
-          mesh_.tag[t] = tag;
+          if (is_in_condition[t] == 0)
+            mesh_.tag[t] = tag;
+          else if (mesh_.tag[t] != tag)
+            ++shared[{2, mesh_.patch_of_tag[mesh_.tag[t]].name, name}];
           is_in_condition[t] = 1;
         }
       }
+    for (const auto& [groups, n] : shared)
+      mesh_.overlaps.push_back({std::get<0>(groups), std::get<1>(groups), std::get<2>(groups), n, "which comes first"});
     // Sections whose triangles are all in conditions are no groups of their own.
     of_conditions.insert(mesh_.tag.begin(), mesh_.tag.end());
     std::erase_if(mesh_.patch_of_tag, [&](const auto& one) { return !of_conditions.contains(one.first); });

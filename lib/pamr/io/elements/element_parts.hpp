@@ -47,7 +47,9 @@ struct ElementParts {
   /// Points and lines of this rank by dimension (0, 1) and physical group: a mesh has no place for these groups.
   std::map<std::pair<int, std::int64_t>, std::int64_t> n_in_group = {};
   std::int64_t n_untagged_triangles = 0;  ///< of this rank, which are left out already
-  std::string why_empty = {};             ///< what may be the reason for named groups without any element
+  /// Sections of the file that are not read, by name with a count of what is lost. The same on every rank.
+  std::map<std::string, std::int64_t> left_out = {};
+  std::string why_empty = {};  ///< what may be the reason for named groups without any element
   /// Dimension, geometrical entity and physical group of elements that may be written once for each group.
   std::set<std::array<std::int64_t, 3>> entity_in_group = {};
   bool has_regions = true;                 ///< groups of tetrahedra mean something: they become the field `region`

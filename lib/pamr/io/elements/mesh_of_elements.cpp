@@ -233,6 +233,12 @@ std::vector<UnusedGroup> unused_groups(const par::Comm& comm, const ElementParts
   return unused;
 }
 
+std::string text_of_left_out(const std::map<std::string, std::int64_t>& sections) {
+  std::string names;
+  for (const auto& [name, n] : sections) names += fmt::format("{}{} ({})", names.empty() ? "" : ", ", name, n);
+  return "left out was what a mesh has no place for: " + names;
+}
+
 /// The region of each cell of this rank: its group, 0 without one. Where no cell has a group, several volumes of the
 /// geometry are regions by their numbers. Collective.
 std::vector<std::int64_t> regions_of(const par::Comm& comm, const ElementParts& parts) {
@@ -428,6 +434,7 @@ ElementMesh mesh_of_elements(const par::Comm& comm, ElementParts parts, const st
   result.n_periodic_links = parts.n_periodic_links;
   result.n_untagged_triangles = comm.sum(parts.n_untagged_triangles);
   result.why_empty = parts.why_empty;
+  if (!parts.left_out.empty()) result.remarks.push_back(text_of_left_out(parts.left_out));
   const auto of_all = all_groups(comm, parts);
   result.unused_groups = unused_groups(comm, parts, of_all);
   std::vector<std::int64_t> groups;

@@ -185,7 +185,7 @@ ElementMesh mesh_of_whole(const par::Comm& comm, const std::filesystem::path& fi
   auto result = mesh_of_elements(comm, std::move(parts), source_of(file), options,
                                  [&](std::int64_t tag) { return patches.at(tag); });
   result.overlaps.insert(result.overlaps.begin(), overlaps.begin(), overlaps.end());
-  result.remarks = std::move(remarks);
+  result.remarks.insert(result.remarks.end(), remarks.begin(), remarks.end());
   return result;
 }
 

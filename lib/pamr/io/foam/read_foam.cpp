@@ -7,7 +7,9 @@
 #include <array>
 #include <cstdint>
 #include <map>
+#include <set>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -17,6 +19,7 @@
 #include "pamr/io/elements/whole_mesh.hpp"
 #include "pamr/io/export/write_foam.hpp"
 #include "pamr/io/foam/foam_tokens.hpp"
+#include "pamr/io/text.hpp"
 #include "pamr/mesh/periodic_patches.hpp"
 
 namespace pamr::io {
@@ -66,10 +69,25 @@ class CaseReader {
     read_boundary();
     if (is_present(folder_ / "cellZones")) read_zones();
     if (is_present(folder_ / "faceZones")) read_face_zones();
+    tell_of_other_files();
     return std::move(mesh_);
   }
 
  private:
+  /// Zones of points, sets, levels of OpenFOAM's own refinement, ...
+  void tell_of_other_files() {
+    constexpr std::array<std::string_view, 7> known{"points",   "faces",     "owner",    "neighbour",
+                                                    "boundary", "cellZones", "faceZones"};
+    std::set<std::string> others;
+    for (const auto& file : fs::directory_iterator(folder_)) {
+      const auto name = file.path().extension() == ".gz" ? file.path().stem() : file.path().filename();
+      if (std::find(known.begin(), known.end(), name.string()) == known.end()) others.insert(shown_text(name.string()));
+    }
+    std::string names;
+    for (const auto& name : others) names += (names.empty() ? "" : ", ") + name;
+    if (!names.empty()) mesh_.remarks.push_back("left out was what else polyMesh has: " + names);
+  }
+
   /// Faces of each cell; those of which it is not the owner are seen from inside.
   void make_cells() {
     std::int64_t n_cells = 0;
@@ -135,6 +153,8 @@ class CaseReader {
       if (type == "processor" && size > 0)
         in.fail("the mesh of a whole case", "a part for one processor (reconstructParMesh joins them)");
       mesh_.patch_of_tag[p] = {name, kind_of_type(type)};
+      if (size > 0 && type != "patch" && mesh_.patch_of_tag[p].kind.empty())
+        mesh_.remarks.push_back(fmt::format("the type '{}' of the patch '{}' was left out", shown_text(type), name));
       for (auto f = at(start); f < at(start + size); ++f) {
         if (faces_[f].size() != 3) continue;  // of a cell that is counted
         mesh_.triangle.push_back({faces_[f][0], faces_[f][1], faces_[f][2]});

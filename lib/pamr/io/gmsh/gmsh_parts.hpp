@@ -17,15 +17,16 @@ namespace pamr::io::gmsh {
 using Parts = ElementParts;
 
 /// Runs through the sections: calls `read(name)` at each `$Name`, which returns whether it has read the section up to
-/// its end line; the others are passed over.
+/// its end line; the others are passed over, and counted in `parts.left_out`.
 template <class Read>
-void for_each_section(TextCursor& in, Read&& read) {
+void for_each_section(TextCursor& in, Parts& parts, Read&& read) {
   while (!in.at_end()) {
     const auto name = in.line();
     if (name.empty() || name.front() != '$') continue;
     const std::string end = "$End" + std::string(name.substr(1));
     if (!read(std::string(name.substr(1)))) {
       in.skip_to_line(end);
+      if (name != "$MeshFormat" && name != "$Comments") ++parts.left_out[std::string(name)];
       continue;
     }
     for (;;) {

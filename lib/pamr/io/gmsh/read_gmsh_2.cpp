@@ -178,7 +178,7 @@ void read_periodic(TextCursor& in, Parts& parts) {
 
 Parts read_parts_2(TextCursor& in, bool is_binary, Share share) {
   Parts parts;
-  for_each_section(in, [&](const std::string& name) {
+  for_each_section(in, parts, [&](const std::string& name) {
     if (name == "PhysicalNames")
       read_group_names(in, parts);
     else if (name == "Nodes")

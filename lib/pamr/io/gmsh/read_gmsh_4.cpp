@@ -200,7 +200,7 @@ void read_periodic(Reader read, Parts& parts) {
 Parts read_parts_4(TextCursor& in, bool is_binary, Share share) {
   Parts parts;
   Groups groups;
-  for_each_section(in, [&](const std::string& name) {
+  for_each_section(in, parts, [&](const std::string& name) {
     if (name == "PartitionedEntities")
       in.fail("a mesh in one part", "one that Gmsh has partitioned (gmsh OLD.msh -unpartition -save -o NEW.msh)");
     if (name == "PhysicalNames")

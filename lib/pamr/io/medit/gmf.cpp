@@ -18,7 +18,7 @@ namespace {
 
 constexpr char comment = '#';
 
-constexpr std::array<KnownKeyword, 27> known{{{"Vertices", vertices, 0},
+constexpr std::array<KnownKeyword, 39> known{{{"Vertices", vertices, 0},
                                               {"Triangles", triangles, 0},
                                               {"Tetrahedra", tetrahedra, 0},
                                               {"SolAtVertices", sol_at_vertices, 0},
@@ -44,7 +44,19 @@ constexpr std::array<KnownKeyword, 27> known{{{"Vertices", vertices, 0},
                                               {"SolAtEdges", 63, 0},
                                               {"SolAtTriangles", 64, 0},
                                               {"SolAtPrisms", 67, 0},
-                                              {"SolAtHexahedra", 68, 0}}};
+                                              {"SolAtHexahedra", 68, 0},
+                                              {"Edges", 5, left_out},
+                                              {"Corners", 13, left_out},
+                                              {"Ridges", 14, left_out},
+                                              {"RequiredVertices", 15, left_out},
+                                              {"RequiredEdges", 16, left_out},
+                                              {"RequiredTriangles", 17, left_out},
+                                              {"NormalAtVertices", 20, left_out},
+                                              {"NormalAtTriangleVertices", 21, left_out},
+                                              {"TangentAtEdgeVertices", 19, left_out},
+                                              {"Tangents", 59, left_out},
+                                              {"Normals", 60, left_out},
+                                              {"TangentAtVertices", 61, left_out}}};
 
 }  // namespace
 

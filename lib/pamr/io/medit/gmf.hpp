@@ -29,8 +29,10 @@ enum Keyword : std::int32_t {
 struct KnownKeyword {
   std::string_view name;
   std::int32_t code = 0;
-  int refused_type = 0;  ///< type of elements that are no part of a mesh of ours (`element_type`), else 0
+  int refused_type = 0;  ///< type of elements that are no part of a mesh of ours (`element_type`), `left_out`, else 0
 };
+/// Of what a mesh of ours has no place for.
+inline constexpr int left_out = -1;
 const KnownKeyword* find(std::string_view name);
 const KnownKeyword* find(std::int32_t code);
 

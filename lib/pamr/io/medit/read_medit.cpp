@@ -27,7 +27,9 @@ class MeshSections {
 
  private:
   void take(const gmf::KnownKeyword& keyword, std::int64_t n) {
-    if (keyword.refused_type != 0) {
+    if (keyword.refused_type == gmf::left_out) {
+      if (n > 0) parts_.left_out[std::string(keyword.name)] += n;
+    } else if (keyword.refused_type != 0) {
       if (n > 0 && share_.rank == 0) parts_.refused[keyword.refused_type] += n;
     } else if (keyword.name.starts_with("Periodic")) {
       if (n > 0) in_.fail("no periodic links", fmt::format("{}", n));

@@ -18,6 +18,7 @@
 #include "pamr/io/elements/first_line.hpp"
 #include "pamr/io/elements/text_cursor.hpp"
 #include "pamr/io/elements/whole_mesh.hpp"
+#include "pamr/io/text.hpp"
 
 namespace pamr::io {
 
@@ -122,15 +123,24 @@ class MfemReader {
       const auto begin = text.find('"'), end = text.rfind('"');
       if (begin == std::string_view::npos || end == begin) line.fail("a name in double quotes", "none");
       line.pass(end + 1);
-      if (line.integer_in_line("the number of attributes") == 1)
-        sets[line.integer_in_line("an attribute")].emplace_back(text.substr(begin + 1, end - begin - 1));
+      const std::string set(text.substr(begin + 1, end - begin - 1));
+      if (const auto n_attributes = line.integer_in_line("the number of attributes"); n_attributes == 1)
+        sets[line.integer_in_line("an attribute")].push_back(set);
+      else
+        mesh_.remarks.push_back(
+            fmt::format("the set '{}' of {} attributes was left out", shown_text(set), n_attributes));
     }
   }
 
+  /// An attribute has one name.
   template <class Take>
-  static void name(const Sets& sets, Take&& take) {
-    for (const auto& [attribute, names] : sets)
-      if (names.size() == 1) take(attribute, names.front());
+  void name(const Sets& sets, Take&& take) {
+    for (const auto& [attribute, names] : sets) {
+      take(attribute, names.front());
+      for (std::size_t i = 1; i < names.size(); ++i)
+        mesh_.remarks.push_back(fmt::format("the set '{}' was left out: attribute {} is '{}'", shown_text(names[i]),
+                                            attribute, shown_text(names.front())));
+    }
   }
 
   void read_vertices() {

@@ -195,7 +195,10 @@ class LegacyReader {
       (void)in_.line();
       if (type == "string") {
         skip_texts(in_.checked_count(n, 1, "texts"));
-        if (n_rows_) grid_.arrays.push_back({is_on_points_, name, type, width, {}});  // no field, which is said
+        if (n_rows_)
+          grid_.arrays.push_back({is_on_points_, name, type, width, {}});  // no field, which is said
+        else
+          grid_.left_out.push_back(name);
         continue;
       }
       keep(name, numbers_.type_named(type), width, n);
@@ -245,6 +248,8 @@ class LegacyReader {
     auto values = std::make_shared<Values>(numbers_.numbers(type, width * n));
     if (n_rows_ && n == *n_rows_)
       grid_.arrays.push_back({is_on_points_, name, std::string(type.type), width, [values] { return *values; }});
+    else
+      grid_.left_out.push_back(name);
   }
 
   TextCursor& in_;

@@ -58,8 +58,12 @@ WholeMesh read_whole(const std::filesystem::path& file) {
                            [&xml, &array, n] { return values_of(xml, array, n * array.n_components); }});
   }
   for (const auto& array : xml.arrays)
-    if (array.place == "FieldData" && array.name.starts_with(before_patch) && array.name != before_patch)
-      name_patch(grid, array.name, integers_of(xml, array, 1).front());
+    if (array.place == "FieldData") {
+      if (array.name.starts_with(before_patch) && array.name != before_patch)
+        name_patch(grid, array.name, integers_of(xml, array, 1).front());
+      else
+        grid.left_out.push_back(array.name);
+    }
   return to_whole_mesh(grid);
 }
 

@@ -9,6 +9,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "pamr/base/counted.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/io/elements/element_parts.hpp"
@@ -46,6 +47,7 @@ struct CellRows {
 
 CellRows take_cells(const Grid& grid, WholeMesh& mesh) {
   CellRows rows;
+  std::int64_t n_left_out = 0;
   const auto take = [&](auto& row, std::size_t c) {
     const auto begin = c == 0 ? 0 : grid.ends[c - 1];
     if (grid.ends[c] - begin != std::ssize(row))
@@ -65,10 +67,14 @@ CellRows take_cells(const Grid& grid, WholeMesh& mesh) {
     } else if (type == element_type::triangle) {
       take(mesh.triangle.emplace_back(), c);
       rows.of_triangles.push_back(c);
-    } else if (type != element_type::point && type != element_type::line) {
+    } else if (type == element_type::point || type == element_type::line) {
+      ++n_left_out;
+    } else {
       ++mesh.refused[type];
     }
   }
+  if (n_left_out > 0)
+    mesh.remarks.push_back(counted(n_left_out, "point or line was", "points and lines were") + " left out");
   return rows;
 }
 
@@ -164,6 +170,9 @@ WholeMesh to_whole_mesh(const Grid& grid) {
   if (has_regions && !has_field) mesh.region = std::move(field_of(*tags, &rows.of_cells).integer());
   mesh.patch_of_tag = grid.patch_of_tag;
   if (tags != nullptr) name_patches(*tags, mesh);
+  for (const auto& name : grid.left_out)
+    mesh.remarks.push_back(
+        fmt::format("the array '{}' was left out: it is neither on points nor on cells", shown_text(name)));
   const bool is_ours = !grid.patch_of_tag.empty();
   for (const auto& array : grid.arrays) {
     if (&array == tags) continue;

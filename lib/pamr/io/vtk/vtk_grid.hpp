@@ -31,6 +31,7 @@ struct Grid {
   std::vector<std::int64_t> types, ends, nodes;  ///< of the cells: `nodes` up to `ends`
   std::vector<GridArray> arrays;
   std::map<std::int64_t, mesh::Patch> patch_of_tag;  ///< names that the file has: it is ours then
+  std::vector<std::string> left_out;                 ///< arrays that have no row for each point or cell
 };
 
 /// Field data `patch NAME` say the number of a patch, as those of `write_vtu` do.
@@ -40,7 +41,7 @@ void name_patch(Grid& grid, std::string_view array, std::int64_t number);
 
 /// Tetrahedra as cells; triangles with the first integer array of those that PAMR, VTK and meshio use for it as tags,
 /// which are the regions of the tetrahedra too where the array is not PAMR's; other arrays as fields. Points and lines
-/// are left out, other cells counted as refused. Throws `Error`, without the name of the file.
+/// are left out with a remark, other cells counted as refused. Throws `Error`, without the name of the file.
 WholeMesh to_whole_mesh(const Grid& grid);
 
 }  // namespace pamr::io::vtk
