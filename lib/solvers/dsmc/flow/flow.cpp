@@ -103,7 +103,8 @@ void Flow::add_driven_patches() {
     const auto& condition = setup_.patch[p];
     if (!condition.is_driven()) continue;
     const auto stream = static_cast<std::size_t>(std::max(0, condition.stream));
-    driven_.emplace_back(*comm_, domain_, setup_.gas, static_cast<int>(p), condition, setup_.stream[stream],
+    const DrivenPatch::Kind kind{static_cast<int>(p), condition, setup_.stream[stream]};
+    driven_.emplace_back(*comm_, domain_, setup_.gas, kind,
                          DrivenPatch::Scale{surface.momentum_unit, surface.energy_unit, setup_.fnum / setup_.dt});
   }
 }

@@ -36,18 +36,20 @@ double ratio_of_share(double share, double high) {
 
 }  // namespace
 
-DrivenPatch::DrivenPatch(const par::Comm& comm, const GasDomain& domain, const Gas& gas, int patch,
-                         const BoundaryCondition& condition, const Stream& stream, const Scale& scale)
-    : gas_(&gas), patch_(patch), condition_(condition), scale_(scale), before_(2 * gas.species.size()) {
-  const bool is_outlet = condition.kind == BoundaryCondition::Kind::outlet;
+DrivenPatch::DrivenPatch(const par::Comm& comm, const GasDomain& domain, const Gas& gas, const Kind& kind,
+                         const Scale& scale)
+    : gas_(&gas), patch_(kind.patch), condition_(kind.condition), scale_(scale), before_(2 * gas.species.size()) {
+  const auto& stream = kind.stream;
+  const bool is_outlet = condition_.kind == BoundaryCondition::Kind::outlet;
   par::ExactSum area;
   for (const auto& face : domain.boundary) {
-    if (face.patch != patch) continue;
+    if (face.patch != patch_) continue;
     area.add(face.area);
     const auto cell = at(face.cell);
     if (is_outlet && (cell_.empty() || cell_.back().cell != cell)) cell_.push_back({cell, face.normal});
   }
   area_ = par::reproducible_sums(comm, {&area, 1}).front();
+  if (!(area_ > 0)) area_ = 1;  // no faces: nothing enters
   entering_.gas = stream;
   entering_.gas.velocity = {};
   const auto n = gas.species.size();
@@ -60,9 +62,9 @@ DrivenPatch::DrivenPatch(const par::Comm& comm, const GasDomain& domain, const G
     mean_[momentum() + 4] += stream.fraction[s] * 0.5 * gas.species[s].rotational_degrees * boltzmann *
                              stream.rotational_temperature / scale.energy_unit;
   }
-  if (condition.mass_flow > 0) {
+  if (condition_.mass_flow > 0) {
     const double mass = mass_of(stream.fraction);
-    const double speed = std::min(sound(), condition.mass_flow / (stream.density * mass * area_));
+    const double speed = std::min(sound(), condition_.mass_flow / (stream.density * mass * area_));
     for (std::size_t s = 0; s < n; ++s)
       mean_[out(s)] =
           molecular_flux(stream.density * stream.fraction[s], stream.temperature, gas.species[s].mass, -speed) * area_ /

@@ -42,7 +42,8 @@ struct EnteringGas {
 /// Speeds into the gas are at most that of sound. A Maxwellian on one side and the gas on the other have a pressure that
 /// falls when gas enters faster than on average: waves are damped for every relaxation.
 /// Sums are integers over all ranks, so that the same follows on any ranks.
-/// Source: J. Farbar, I. D. Boyd, Phys. Fluids 26 (2014): speed from the flux of particles.
+/// Source of the speed from the flux of particles: E. Farbar, I. D. Boyd, "Subsonic flow boundary conditions for the
+/// direct simulation Monte Carlo method", Computers and Fluids 102 (2014).
 class DrivenPatch {
  public:
   /// Units of the sums, and molecules per particle and second.
@@ -50,10 +51,13 @@ class DrivenPatch {
     double momentum_unit = 1, energy_unit = 1;  ///< of `SurfaceTally`
     double fnum_per_time = 1;
   };
-  /// Starts with a gas at rest, or with the mass flow. `stream`: of an inlet its own; of an outlet the gas that fills
-  /// the cells at it at the start. Collective: one reduction for the area.
-  DrivenPatch(const par::Comm& comm, const GasDomain& domain, const Gas& gas, int patch,
-              const BoundaryCondition& condition, const Stream& stream, const Scale& scale);
+  struct Kind {
+    int patch = 0;
+    BoundaryCondition condition;
+    Stream stream;  ///< of an inlet its own; of an outlet the gas that is in the cells at it at the start
+  };
+  /// Starts with a gas at rest, or with the mass flow. Collective: one reduction for the area.
+  DrivenPatch(const par::Comm& comm, const GasDomain& domain, const Gas& gas, const Kind& kind, const Scale& scale);
 
   int patch() const { return patch_; }
   const EnteringGas& entering() const { return entering_; }
