@@ -17,6 +17,7 @@
 #include "solvers/dsmc/run/flow_report.hpp"
 #include "solvers/dsmc/run/flux_report.hpp"
 #include "solvers/dsmc/run/make_setup.hpp"
+#include "solvers/dsmc/run/particle_check.hpp"
 #include "solvers/dsmc/run/plan.hpp"
 #include "solvers/dsmc/run/require_feasible.hpp"
 #include "solvers/dsmc/run/stop_signals.hpp"
@@ -29,7 +30,7 @@ struct Options {
   std::string case_file, mesh, restart, carry, series;
   dsmc::OutputFiles out;
   dsmc::AdvanceOptions advance;
-  bool plan = false, force = false, keep_cells = false;
+  bool plan = false, force = false, keep_cells = false, check_resolution = false;
 };
 
 void declare(cli::CommandLine& line, Options& o) {
@@ -42,6 +43,9 @@ void declare(cli::CommandLine& line, Options& o) {
   line.flag("--plan", o.plan, "print what is known before the first step, and exit");
   line.flag("--keep-cells", o.keep_cells,
             "leave every cell on its rank for the whole run; without it cells move when that saves time");
+  line.flag("--check-resolution", o.check_resolution,
+            "afterwards the same with a quarter of the particles: what too few of them add to the errors of the "
+            "coefficients");
   line.flag("--force", o.force, cli::force_help);
   line.group("Checkpoints",
              "pamr-dsmc case.toml --mesh level0.hdf -o flow.hdf --checkpoint run.hdf --every 1000\n"
@@ -159,21 +163,47 @@ void show_fluxes(cli::Session& session, const dsmc::Computation& computation) {
   session.summary(balance_line(computation.averaging().state().balance));
 }
 
-dsmc::Advance advance(cli::Session& session, const Options& o, dsmc::Computation& computation) {
-  std::unique_ptr<cli::Progress> progress;
+/// Shows what a computation does.
+dsmc::Observer observer_of(cli::Session& session, std::unique_ptr<cli::Progress>& progress) {
   dsmc::Observer observer;
-  observer.wants_stop = dsmc::StopSignals::have_come;
   observer.report = [&](const std::string& line) { session.summary(line); };
-  if (!o.series.empty())
-    observer.window_full = [&](dsmc::Computation& now) {
-      dsmc::write_window(now, window_file(o, now.flow().steps_done));
-    };
   observer.begin_phase = [&](const dsmc::Phase& phase) {
     progress.reset();  // takes the old bar off the terminal first
     progress.reset(new cli::Progress(session.progress(phase.what, phase.total, "steps", phase.done)));
   };
   observer.after_step = [&](std::int64_t done, const std::string& note) { progress->update(done, note); };
+  return observer;
+}
+
+dsmc::Advance advance(cli::Session& session, const Options& o, dsmc::Computation& computation) {
+  std::unique_ptr<cli::Progress> progress;
+  auto observer = observer_of(session, progress);
+  observer.wants_stop = dsmc::StopSignals::have_come;
+  if (!o.series.empty())
+    observer.window_full = [&](dsmc::Computation& now) {
+      dsmc::write_window(now, window_file(o, now.flow().steps_done));
+    };
   return dsmc::advance(computation, o.advance, observer);
+}
+
+/// What too few particles add to the errors: computed if asked for, else what to expect.
+void check_resolution(cli::Session& session, const Options& o, const dsmc::Computation& computation,
+                      dsmc::Outcome& outcome) {
+  if (!o.check_resolution) {
+    const double apart = outcome.resolution.wall_separation;
+    if (computation.the_case().collisions.enabled && apart > 0)
+      session.summary(
+          fmt::format("partners that collide at the walls are {:.2g} mean free paths apart (by heat): +- are of chance "
+                      "only, --check-resolution adds what too few particles do",
+                      apart));
+    return;
+  }
+  session.summary("the same with a quarter of the particles:");
+  {
+    std::unique_ptr<cli::Progress> progress;
+    outcome.check = dsmc::check_particles(computation, observer_of(session, progress));
+  }
+  for (const auto& line : describe(*outcome.check)) session.summary(line);
 }
 
 cli::ExitCode run_case(cli::Session& session, const Options& o) {
@@ -182,6 +212,7 @@ cli::ExitCode run_case(cli::Session& session, const Options& o) {
   std::optional<dsmc::StopSignals> signals;
   if (!o.plan && !o.advance.checkpoint.empty()) signals.emplace();
   const auto c = dsmc::read_case(case_text, o.case_file);
+  if (o.check_resolution) dsmc::require_checkable(c);
   std::optional<dsmc::CheckpointHead> from;
   if (const auto& file = o.restart.empty() ? o.carry : o.restart; !file.empty()) from = dsmc::head_of(comm, file);
   if (from && !from->mesh_file.empty()) session.keep(from->mesh_file);
@@ -232,6 +263,7 @@ cli::ExitCode run_case(cli::Session& session, const Options& o) {
     session.warn(warning);
   for (const auto& warning : warnings_of(computation->averaging())) session.warn(warning);
   for (const auto& warning : driven_warnings(*computation)) session.warn(warning);
+  check_resolution(session, o, *computation, outcome);
   session.write_report(report_of(*computation, outcome));
   show_fluxes(session, *computation);
   session.summary(fmt::format("{} -> {}", summary_of(*computation, outcome), o.out.mesh));

@@ -161,6 +161,23 @@ def test_free_molecular_sphere_has_the_drag_and_heat_of_the_closed_form():
     assert rows[-1]["step"] == "300" and sum(row["averaged"] == "1" for row in rows) == 20
 
 
+def test_the_resolution_is_checked_with_a_quarter_of_the_particles():
+    case, mesh = write("case.toml", CUBE), kuhn_cube("cube.hdf", 3)
+    plain = compute(case, mesh, "a.hdf", "--json", "-")
+    apart = plain.json["quality"]["wall_separation"]
+    assert 0 < apart and f"partners that collide at the walls are {apart:.2g} mean free paths apart" in plain.err, plain.err
+    checked = compute(case, mesh, "b.hdf", "--check-resolution", "--json", "-")
+    assert same_bytes("a.hdf", "b.hdf") and "resolution" not in plain.json
+    found, drag = checked.json["resolution"]["C_D"], checked.json["C_D"]
+    assert drag == plain.json["C_D"] and found["difference"] == found["value"] - drag["value"], (found, drag)
+    assert abs(found["error"] - max(abs(found["difference"]), 2 * found["difference_stderr"]) / 3) < 1e-12, found
+    assert abs(found["bound"] - drag["ci95"] - found["error"]) < 1e-12, found
+    assert 0.2 < checked.json["resolution"]["particles"] / checked.json["particles"] < 0.3, checked.json["resolution"]
+    assert f"C_D {drag['value']:.4f} +- {found['bound']:.4f} (" in checked.err and "mean free paths apart" not in checked.err, checked.err
+    refuses("pamr-dsmc", write("window.toml", CUBE.replace("block = 4\n", "window = 20\n")), "--mesh", mesh, "-o", "x.hdf", "--check-resolution",
+            says=["window.toml", "--check-resolution"], creates="x.hdf")
+
+
 def test_restart_gives_the_same_bytes_as_a_run_without_interruption():
     case, mesh = write("case.toml", CUBE), kuhn_cube("cube.hdf", 4)
     compute(case, mesh, "a.hdf", "--checkpoint", "a.ck", "--history", "a.csv", "--surface", "a.vtu", "--quiet", ranks=1)
@@ -177,6 +194,24 @@ def test_restart_gives_the_same_bytes_as_a_run_without_interruption():
     assert "nothing left to do: c.ck has 30 steps, as many as the case asks for" in again.out, again.out
     assert same_bytes("a.hdf", "d.hdf")
     assert "as many as --steps asks for" in compute(case, mesh, "d.hdf", "--restart", "b.ck", "--steps", "9", "--force").out
+
+
+def test_inlets_and_outlets_are_shown_and_go_on_with_the_same_bytes():
+    def duct(outlet):
+        return gas_in_a_cube(SPECIES, xmin='kind = "inlet", relaxation = 5', xmax=outlet, **{y: 'kind = "symmetry"' for y in ("ymin", "ymax", "zmin", "zmax")})
+
+    mesh, case = kuhn_cube("cube.hdf", 3), write("case.toml", duct('kind = "outlet", pressure = 0.4'))
+    whole = compute(case, mesh, "a.hdf", "--checkpoint", "a.ck", "--json", "-", ranks=1)
+    assert "\npatch xmax: gas enters at 0.4 Pa, " in whole.err and "\npatch xmin: gas enters at 0.4142 Pa, 300 K and " in whole.err, whole.err
+    entering = whole.json["fluxes"]["patches"]["xmax"]["entering"]
+    assert entering["pressure"] == 0.4 and 100 < entering["temperature"] < 500 and entering["limited"] is False, entering
+    compute(case, mesh, "b.hdf", "--checkpoint", "b.ck", "--steps", "17", "--quiet")
+    compute(case, mesh, "c.hdf", "--restart", "b.ck", "--checkpoint", "c.ck", "--quiet")
+    assert same_bytes("a.hdf", "c.hdf") and same_bytes("a.ck", "c.ck")
+
+    fast = compute(write("fast.toml", duct('kind = "outflow"').replace("speed = 400.0", "speed = 800.0").replace("relaxation = 5", "relaxation = 1")), mesh, "d.hdf")
+    assert "warning: patch xmin: gas would enter faster than sound and is held at 353" in fast.err, fast.err
+    refuses("pamr-dsmc", write("bad.toml", duct('kind = "outlet"')), "--mesh", mesh, "-o", "x.hdf", says=["bad.toml:", "pressure"], creates="x.hdf")
 
 
 def test_planes_are_counted_and_bad_ones_refused():
@@ -740,6 +775,7 @@ def test_coarse_time_steps_and_few_particles_are_warned_about():
 
 
 run_tests(globals(), on_ranks=(test_restart_gives_the_same_bytes_as_a_run_without_interruption,
+                               test_inlets_and_outlets_are_shown_and_go_on_with_the_same_bytes,
                                test_a_signal_ends_the_run_with_a_checkpoint_to_go_on_from,
                                test_a_killed_run_resumes_from_its_last_checkpoint, test_a_flow_is_carried_through_a_refinement,
                                test_stations_and_lines_show_the_flow_where_they_are, test_a_checkpoint_that_does_not_fit_is_refused,

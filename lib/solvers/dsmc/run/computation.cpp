@@ -24,6 +24,18 @@ namespace {
 
 constexpr int steps_between_checks = 20;  ///< of the balance
 
+/// The tables of a flow; the snapshot loses them.
+OldFlow old_flow(Snapshot& snapshot, const Flow& flow, const std::string& name) {
+  OldFlow old;
+  old.name = name;
+  old.cells = std::move(snapshot.cells);
+  old.particles = std::move(snapshot.particles);
+  for (const auto& species : flow.setup().gas.species) old.weights.push_back(species.weight);
+  old.is_weighted = flow.setup().gas.is_weighted;
+  old.steps_done = snapshot.header["steps_done"];
+  return old;
+}
+
 /// What a cell with `n` particles costs in a step, in particles that only fly, from measurements: an empty cell half a
 /// particle, a candidate pair somewhat less than one and more where many are compared for the nearest partner.
 double cost_of(double n_candidates, std::uint32_t n) {
@@ -75,6 +87,12 @@ Transferred Computation::transfer_from(const std::string& checkpoint) {
   return transferred;
 }
 
+Transferred Computation::transfer_from(Snapshot snapshot) {
+  const auto transferred = transfer_particles(*comm_, old_flow(snapshot, *flow_, case_.where), mesh_, *flow_);
+  averaging_->begin_transferred(transferred.step);
+  return transferred;
+}
+
 StepResult Computation::step(bool wants_stop) {
   if (averaging_->is_window_full(flow_->steps_done)) {
     const auto every = static_cast<std::uint64_t>(case_.adaptation.every);
@@ -109,13 +127,7 @@ void Computation::adapt() {
   const auto& setup_now = flow_->setup();
   auto averages = averages_as_fields();
   auto snapshot = this->snapshot();
-  OldFlow old;
-  old.name = case_.where + ": [adapt]";
-  old.cells = std::move(snapshot.cells);
-  old.particles = std::move(snapshot.particles);
-  for (const auto& species : setup_now.gas.species) old.weights.push_back(species.weight);
-  old.is_weighted = setup_now.gas.is_weighted;
-  old.steps_done = flow_->steps_done;
+  const auto old = old_flow(snapshot, *flow_, case_.where + ": [adapt]");
   const auto n_before = mesh_.info.n_global_cells;
   auto adapted = adapt_mesh(*comm_, std::move(mesh_), case_.adaptation, std::move(averages), case_.where);
   mesh_step_ = flow_->steps_done;

@@ -48,6 +48,8 @@ class Computation {
   void restart(const std::string& checkpoint);
   /// With the flow of a checkpoint on the mesh that this one was refined from. Throws like `restart`.
   Transferred transfer_from(const std::string& checkpoint);
+  /// The same with a snapshot of a computation with the same species on this mesh.
+  Transferred transfer_from(Snapshot snapshot);
 
   /// One time step, and what is due around it: before it, after a full window of the averages, a new window, for which
   /// the mesh is adapted if the case says so (`adapt`); after it the end of an interval, and on several ranks every 20

@@ -4,12 +4,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "pamr/io/native/native_file.hpp"
 #include "pamr/mesh/require_field.hpp"
+#include "pamr/par/reproducible_sum.hpp"
 #include "solvers/dsmc/run/flux_report.hpp"
 #include "solvers/dsmc/run/history.hpp"
 #include "solvers/dsmc/sampling/cell_flow.hpp"
@@ -39,6 +42,22 @@ CellFlow averages_of(const Computation& computation) {
   return cells;
 }
 
+/// Separation of collision partners in the cells at the walls, weighted by the heat to the faces; 0 without heat.
+double wall_separation(const par::Comm& comm, const GasDomain& domain, const CellFlow& cells,
+                       const std::vector<FaceRow>& walls) {
+  std::array<par::ExactSum, 2> sums;
+  for (const auto& face : walls) {
+    const auto found = std::lower_bound(domain.cell_global.begin(), domain.cell_global.end(), face.cell);
+    const auto cell = static_cast<std::size_t>(found - domain.cell_global.begin());
+    const bool collides = cells.separation[cell] > 0;  // in the steps that were averaged
+    const double weight = collides ? std::fabs(face.heat) * face.area : 0;
+    sums[0].add(weight * cells.separation[cell]);
+    sums[1].add(weight);
+  }
+  const auto total = par::reproducible_sums(comm, sums);
+  return total[1] > 0 ? total[0] / total[1] : 0;
+}
+
 }  // namespace
 
 void write_window(Computation& computation, const std::string& file) {
@@ -56,9 +75,10 @@ CellResolution write_output(Computation& computation, const OutputFiles& files, 
   const auto& flow = computation.flow();
   const auto& setup = flow.setup();
   auto cells = averages_of(computation);
-  const auto resolution = assess_resolution(comm, cells, c.stream.front().density, flow.cells.steps);
-  auto fields = to_fields(std::move(cells), setup.gas);
+  auto resolution = assess_resolution(comm, cells, c.stream.front().density, flow.cells.steps);
   const auto walls = walls_of(computation);
+  resolution.wall_separation = wall_separation(comm, flow.domain(), cells, walls);
+  auto fields = to_fields(std::move(cells), setup.gas);
   if (!files.lines.empty()) {
     const auto points =
         point_rows(comm, points_of(c.line, c.plane), {computation.mesh(), setup.unit, flow.domain(), fields});

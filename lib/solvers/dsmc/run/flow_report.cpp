@@ -116,6 +116,7 @@ json report_of(const Computation& computation, const Outcome& outcome) {
   report["balance"] = balance_report(state.balance);
   report["plan"] = to_json(outcome.plan);
   report["quality"] = to_json(outcome.resolution);
+  if (outcome.check) report["resolution"] = to_json(*outcome.check);
   return report;
 }
 
@@ -128,7 +129,11 @@ std::string summary_of(const Computation& computation, const Outcome& outcome) {
   const double student = student_95(results.groups.n_groups);
   const auto text = [&](const char* name, const Estimate& e) {
     const auto value = fmt::format("{} {:.4f}", name, e.value);
-    return std::isfinite(student) ? fmt::format("{} +- {:.4f}", value, student * e.error) : value;
+    double bound = student * e.error;
+    if (outcome.check)
+      for (const auto& one : outcome.check->coefficients)
+        if (one.name == name) bound = one.bound();
+    return std::isfinite(student) ? fmt::format("{} +- {:.4f}", value, bound) : value;
   };
   const auto& scale = computation.averaging().scale();
   const auto lift = computation.the_case().reference.gives_lift()

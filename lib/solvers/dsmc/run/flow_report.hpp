@@ -3,11 +3,13 @@
 
 #include <cstdint>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "solvers/dsmc/run/advance.hpp"
 #include "solvers/dsmc/run/computation.hpp"
+#include "solvers/dsmc/run/particle_check.hpp"
 #include "solvers/dsmc/run/plan.hpp"
 #include "solvers/dsmc/sampling/cell_resolution.hpp"
 
@@ -19,6 +21,7 @@ struct Outcome {
   Advance advance;
   CellResolution resolution;
   std::int64_t n_particles = 0;  ///< of all ranks
+  std::optional<ParticleCheck> check{};
 };
 
 /// The report under the keys of docs/tools/pamr-dsmc.md. Local; the same on every rank.

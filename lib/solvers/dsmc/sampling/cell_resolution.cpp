@@ -38,6 +38,7 @@ CellResolution assess_resolution(const par::Comm& comm, const CellFlow& flow, do
           part(5, 0),
           static_cast<double>(count[6]),
           part(7, 6),
+          0,
           comm.max(max_temperature)};
 }
 
@@ -50,6 +51,7 @@ nlohmann::json to_json(const CellResolution& q) {
           {"all_of_these", q.all},
           {"cells_of_dense_gas", q.cells_of_dense_gas},
           {"dense_gas_below_5_particles", q.few_in_dense_gas},
+          {"wall_separation", q.wall_separation},
           {"max_temperature", q.max_temperature}};
 }
 

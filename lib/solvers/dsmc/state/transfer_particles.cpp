@@ -396,6 +396,11 @@ Transferred transfer_particles(const par::Comm& comm, const OldFlow& old, std::s
   return settle(comm, old, parent, std::move(hosts), mesh, flow);
 }
 
+Transferred transfer_particles(const par::Comm& comm, const OldFlow& old, const mesh::DistMesh& mesh, Flow& flow) {
+  const auto parent = themselves(mesh);
+  return settle(comm, old, parent, find_hosts(comm, mesh, parent, old.cells.rows, flow.setup().unit), mesh, flow);
+}
+
 Transferred transfer_particles(const par::Comm& comm, const std::string& name, const mesh::DistMesh& mesh, Flow& flow) {
   const SectionFile file(comm, name);
   auto old = setup_in(file, name, flow);

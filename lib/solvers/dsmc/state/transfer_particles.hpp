@@ -49,6 +49,9 @@ struct OldFlow {
 Transferred transfer_particles(const par::Comm& comm, const OldFlow& old, std::span<const GoneCell> gone,
                                const mesh::DistMesh& mesh, Flow& flow);
 
+/// The same on the mesh that the flow is on: `parent` is not read. Collective.
+Transferred transfer_particles(const par::Comm& comm, const OldFlow& old, const mesh::DistMesh& mesh, Flow& flow);
+
 /// The same from a checkpoint on the mesh that this one was refined from, or on this mesh: then the field `parent` is
 /// not needed, and not read. Collective. Throws the same `Error` on every rank when the mesh has no field `parent`,
 /// when the old cells are not those that the field names (by their number, and by the volumes of the cells with the
