@@ -42,13 +42,29 @@ def goals_of(report):
     return {goal["name"]: goal for goal in report["goals"]}
 
 
-def plates(low, high):
+SALT, MAGNESIUM, SEA = ((1, 1), (-1, 1)), ((2, 1), (-1, 2)), ((1, 3), (2, 1), (-1, 5))
+
+
+def source(ions, psi):
+    """Right-hand side of the equation: sinh psi of SALT."""
+    return -sum(c * z * math.exp(-z * psi) for z, c in ions) / sum(c * z * z for z, c in ions)
+
+
+def pressure(ions, psi):
+    return sum(c * (math.exp(-z * psi) - 1) for z, c in ions) / sum(c * z * z for z, c in ions)
+
+
+def stated(ions):
+    return "".join(f"[[electrolyte.ion]]\ncharge = {z}\nconcentration = {c}\n" for z, c in ions)
+
+
+def plates(low, high, ions=SALT):
     """Plates at z = 0 and 1 with these potentials: charge of the lower one, force on it and energy, by shooting with the
     method of Runge and Kutta."""
 
     def slopes(psi, slope):
         psi, slope = max(-60, min(60, psi)), max(-1e9, min(1e9, slope))
-        return slope, math.sinh(psi), slope * slope / 2 + math.cosh(psi) - 1
+        return slope, source(ions, psi), slope * slope / 2 + pressure(ions, psi)
 
     def shoot(slope, n=400):
         psi, energy = float(low), 0.0
@@ -69,7 +85,7 @@ def plates(low, high):
     for _ in range(60):
         middle = (steep + flat) / 2
         steep, flat = (steep, middle) if shoot(middle)[0] > high else (middle, flat)
-    return {"charge": -steep, "force-z": steep ** 2 / 2 - math.cosh(low) + 1, "energy": shoot(steep)[1]}
+    return {"charge": -steep, "force-z": steep ** 2 / 2 - pressure(ions, low), "energy": shoot(steep)[1]}
 
 
 @of_one_process
@@ -103,6 +119,79 @@ def test_a_bar_of_first_order_holds_the_truth_between_plates_or_is_withheld():
         assert ("too large: cells" in " ".join(line.split())) == (report["layers"]["zmax"]["ratio"] > 0.2), line
         assert report["beyond_error_bars"] is None and BOX not in printed.out
     assert n_printed == 13
+
+
+def integrate(ions, start, to, slope, dimension, n=1200):
+    """psi, slope and energy (over a solid angle of 1, or an area) from (r, psi) to `to`, by Runge and Kutta."""
+    (r, psi), energy, h = start, 0.0, (to - start[0]) / n
+
+    def slopes(r, psi, slope):
+        psi = max(-20, min(20, psi))
+        weight = r ** dimension
+        return slope, source(ions, psi) - dimension * slope / r, weight * (slope * slope / 2 + pressure(ions, psi))
+
+    for _ in range(n):
+        a = slopes(r, psi, slope)
+        b = slopes(r + h / 2, psi + h / 2 * a[0], slope + h / 2 * a[1])
+        c = slopes(r + h / 2, psi + h / 2 * b[0], slope + h / 2 * b[1])
+        d = slopes(r + h, psi + h * c[0], slope + h * c[1])
+        psi, slope, energy = (value + h / 6 * (a[k] + 2 * b[k] + 2 * c[k] + d[k])
+                              for k, value in enumerate((psi, slope, energy)))
+        r += h
+    return psi, slope, energy
+
+
+def spheres(inner, outer, ions):
+    """Spheres of radius 1 and 3 with these potentials: charge of the inner one, energy of an octant."""
+    a, b = outer - inner, outer - inner + 0.1  # slopes at the outer sphere
+    miss = [integrate(ions, (3.0, outer), 1.0, slope, 2)[0] - inner for slope in (a, b)]
+    for _ in range(30):
+        a, b = b, b - miss[1] * (b - a) / (miss[1] - miss[0]) if miss[1] != miss[0] else b
+        miss = [miss[1], integrate(ions, (3.0, outer), 1.0, b, 2)[0] - inner]
+        if abs(miss[1]) < 1e-13:
+            break
+    assert abs(miss[1]) < 1e-9, miss
+    _, slope, energy = integrate(ions, (3.0, outer), 1.0, b, 2)
+    return {"charge": -4 * math.pi * slope, "energy": -4 * math.pi * energy / 8}
+
+
+@of_one_process
+@of_full_level
+def test_bars_hold_for_unequal_and_mixed_salts():
+    goals = '[estimator]\ngoals = ["force-z", "charge", "energy"]\ngoal_patch = "zmin"\n'
+    for ions, low, high, order, n in ((MAGNESIUM, -2, 1, 2, 4), (MAGNESIUM, 2, 1, 2, 4), (SEA, -1.5, 0.5, 2, 4),
+                                      (MAGNESIUM, -1, 0.5, 1, 12), (SEA, 1, -0.5, 1, 12)):
+        exact = plates(low, high, ions)
+        head = f"[solver]\norder = {order}\n" + stated(ions) + goals
+        report, printed = solve(head + boundary(zmin=("potential", low), zmax=("potential", high)), cube(n))
+        for name, goal in goals_of(report).items():
+            if goal["error_bar"] is None:
+                assert order == 1 and name == "charge", goal
+                continue
+            assert abs(goal["corrected"] - exact[name]) < goal["error_bar"] < 0.05 * abs(exact[name]), (ions, goal, exact)
+        assert "Debye length" in printed.out and "charge +2" in printed.out, printed.out
+    # An isolated plate has the charge of Grahame, and no force; a 2:1 salt by name is the same equation.
+    for low in (-1.5, 2.0):
+        charge = math.copysign(math.sqrt(2 * pressure(MAGNESIUM, low)), low)
+        far = integrate(MAGNESIUM, (1.0, low), 2.0, -charge, 0)[0]
+        head = '[electrolyte]\nsalt = "2:1"\n[solver]\norder = 2\n'
+        report, _ = solve(head + goals + boundary(zmin=("potential", low), zmax=("potential", far)), cube(5))
+        found = goals_of(report)
+        assert abs(found["charge"]["corrected"] - charge) < found["charge"]["error_bar"] < 0.01 * abs(charge), (found, charge)
+        assert abs(found["force-z"]["corrected"]) < found["force-z"]["error_bar"] < 0.05, found
+
+
+@of_one_process
+@of_full_level
+def test_bars_hold_for_unequal_and_mixed_salts_around_a_sphere():
+    exact = spheres(1, 0.798027387, SALT)
+    assert abs(exact["charge"] - 18.0985233) < 1e-6 and abs(exact["energy"] - 3.84219146) < 1e-7, exact
+    mesh, head = cell("salts.hdf", 0.25, 0.7), '[estimator]\ngoals = ["charge", "energy"]\ngoal_patch = "sphere"\n'
+    for ions, inner, outer in ((MAGNESIUM, -1.5, 0.5), (MAGNESIUM, 2, -0.5), (SEA, 1, 0)):
+        exact = spheres(inner, outer, ions)
+        text = stated(ions) + "[solver]\norder = 2\n" + head
+        for name, goal in goals_of(solve(text + boundary(sphere=("potential", inner), outer=("potential", outer)), mesh)[0]).items():
+            assert abs(goal["corrected"] - exact[name]) < goal["error_bar"] < 2e-3 * abs(exact[name]), (ions, goal, exact)
 
 
 @of_one_process

@@ -85,11 +85,33 @@ TEST(ReadCase, NamesTheKeyThatAMisspelledOneWasMeantToBe) {
             "case.toml:2:1: unknown key 'tolerence' in [solver]; did you mean 'tolerance'?");
 }
 
-TEST(ReadCase, RefusesSaltsThatAreNotSymmetricByName) {
-  EXPECT_THAT(error_of("[electrolyte]\nsalt = \"2:1\"\n" + wall),
-              testing::AllOf(testing::HasSubstr("case.toml:2"), testing::HasSubstr("\"2:1\"")));
-  EXPECT_THAT(error_of("[electrolyte]\nsalt = \"MgCl2\"\n" + wall), testing::HasSubstr("\"MgCl2\""));
+TEST(ReadCase, TakesSaltsByTheChargesOfTheirIons) {
+  EXPECT_THAT(error_of("[electrolyte]\nsalt = \"MgCl2\"\n" + wall),
+              testing::AllOf(testing::HasSubstr("case.toml:2"), testing::HasSubstr("\"MgCl2\"")));
+  EXPECT_TRUE(read_case("[electrolyte]\nsalt = \"1:1\"\n" + wall, "c").electrolyte.ions.empty());
+  const auto magnesium = read_case("[electrolyte]\nsalt = \"2:1\"\nconcentration = 1\n" + wall, "c").electrolyte;
+  ASSERT_EQ(magnesium.ions.size(), 2U);
+  EXPECT_EQ(magnesium.ions[0].charge, 2);
+  EXPECT_EQ(magnesium.ions[1].concentration, 2);
+  // Three times the ionic strength of a 1:1 salt of that concentration.
+  EXPECT_NEAR(*magnesium.debye_length, debye_length(Electrolyte{}, 3), 1e-18);
   EXPECT_EQ(read_case("[electrolyte]\nsalt = \"2:2\"\n" + wall, "c").electrolyte.valence, 2);
+}
+
+TEST(ReadCase, TakesMixturesOfIonsWithoutACharge) {
+  const std::string sea =
+      "[[electrolyte.ion]]\ncharge = 1\nconcentration = 3\n[[electrolyte.ion]]\ncharge = 2\n"
+      "concentration = 1\n[[electrolyte.ion]]\ncharge = -1\nconcentration = ";
+  const auto mixed = read_case(sea + "5\n" + wall, "c").electrolyte;
+
+  EXPECT_EQ(mixed.ions.size(), 3U);
+  EXPECT_NEAR(*mixed.debye_length, debye_length(Electrolyte{}, 6), 1e-18);
+  EXPECT_NEAR(*units_of(mixed).concentration, 1, 1e-12);
+  EXPECT_THAT(error_of(sea + "4\n" + wall), testing::HasSubstr("charges add up to 0"));
+  EXPECT_THAT(error_of("[electrolyte]\ndebye_length = 1e-6\n" + sea + "5\n" + wall),
+              testing::HasSubstr("Debye length"));
+  EXPECT_THAT(error_of("[electrolyte]\nsalt = \"1:1\"\n" + sea + "5\n" + wall), testing::HasSubstr("both"));
+  EXPECT_THAT(error_of(sea + "5\n[plate]\npatch = \"wall\"\n" + wall), testing::HasSubstr("its profile"));
 }
 
 TEST(ReadCase, RefusesSpheresThatOverlapOrTouchThePlate) {

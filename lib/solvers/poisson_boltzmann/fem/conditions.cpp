@@ -132,7 +132,7 @@ class Builder {
 
   /// The equation becomes lap psi = sinh psi + s with s = lap psi* - sinh psi*, lap psi* = -psi*.
   void add_manufactured_source() {
-    const SourceTerm term(problem_.linear);
+    const auto term = problem_.term();
     const auto source = [&](Vec3 point) {
       const double psi = manufactured_potential(point);
       return -psi - term.value(psi, 0);

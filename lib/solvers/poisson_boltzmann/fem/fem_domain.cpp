@@ -80,7 +80,7 @@ void require_bodies(const par::Comm& comm, const Domain& domain, const Case& pro
                    [&](Vec3 p) { return norm(p - s.center) - s.radius; });
   if (problem.plate) {
     // Within its layer, or where split puts the plate's potential at its nodes, within what rounding may do.
-    const double layer = layer_thickness(problem.plate->potential, problem.linear);
+    const double layer = problem.term().layer_thickness(problem.plate->potential);
     require_near(problem.plate->patch, std::max(layer, 1e-6),
                  fmt::format("the plate z = {:g}", problem.plate->position),
                  [&](Vec3 p) { return p.z - problem.plate->position; });

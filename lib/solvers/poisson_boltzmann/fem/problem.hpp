@@ -13,7 +13,7 @@ namespace pamr::poisson_boltzmann {
 /// (`System`, `State`); the terms of the equation are made once, here.
 struct Problem {
   Problem(const Domain& on, const Case& stated, const Conditions& at_nodes)
-      : domain(on), input(stated), conditions(at_nodes), term(stated.linear), profile(stated.profile()) {}
+      : domain(on), input(stated), conditions(at_nodes), term(stated.term()), profile(stated.profile()) {}
 
   const Domain& domain;
   const Case& input;

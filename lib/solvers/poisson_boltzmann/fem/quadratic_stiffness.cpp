@@ -170,7 +170,7 @@ std::vector<double> quadratic_load(const Domain& domain, const Case& input) {
     }
   }
   if (!input.manufactured) return load;
-  const SourceTerm term(input.linear);
+  const auto term = input.term();
   for (std::size_t c = 0; c < elements.cell_to_node.size(); ++c) {
     const auto node = elements.points(domain, c);
     for (const auto& point : cell_points()) {

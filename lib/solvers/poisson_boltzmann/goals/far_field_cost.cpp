@@ -194,8 +194,8 @@ double far_field_cost(const par::Comm& comm, const State& state, const std::vect
       value += amount[k] * basis.value[k];
       slope += amount[k] * basis.slope[k];
     }
-    const double alpha = far_field_coefficient(input.spheres, point.position, point.normal), u = std::abs(point.u);
-    const double curvature = input.linear ? 0 : 2 * std::sinh(u / 2) - u;
+    const double alpha = far_field_coefficient(input.spheres, point.position, point.normal);
+    const double curvature = std::abs(state.problem.term.flat_wall_slope(point.u) - std::abs(point.u));
     const double lacks =
         std::abs(slope + alpha * value) + surplus_rate(sources, point.position) * std::abs(point.u - value) + curvature;
     sums[0].add(point.area * std::abs(point.w) * lacks);

@@ -13,14 +13,13 @@ namespace {
 /// Thickness of the layer at a face, by the potential of its nodes.
 double thickness_at(const State& state, const BoundaryFace& face) {
   const auto& problem = state.problem;
-  double potential = 0;
-  for (const auto node : face.node)
-    potential = std::max(potential, std::abs(problem.conditions.psi0[at(node)] + state.u[at(node)]));
+  double thinnest = 1;
+  const auto take = [&](double potential) { thinnest = std::min(thinnest, problem.term.layer_thickness(potential)); };
+  for (const auto node : face.node) take(problem.conditions.psi0[at(node)] + state.u[at(node)]);
   const auto* b = problem.input.find_boundary(problem.domain.mesh->info.patches[at(face.patch)].name);
   // A charge makes the potential of a flat wall when its layer is resolved; the solution tells less where it is not.
-  if (b->condition == Condition::charge)
-    potential = std::max(potential, std::abs(potential_of_charge(b->value, problem.input.linear)));
-  return layer_thickness(potential, problem.input.linear);
+  if (b->condition == Condition::charge) take(problem.term.potential_of_charge(b->value));
+  return thinnest;
 }
 
 }  // namespace

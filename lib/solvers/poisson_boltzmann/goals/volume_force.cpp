@@ -114,7 +114,7 @@ VolumeForm volume_form(const par::Comm& comm, const State& state, std::span<cons
   if (problem.domain.quadratic) return quadratic_volume_form(comm, state, chi, open_walls, center);
   const auto& cells = problem.domain.mesh->cell_to_node;
   VectorSum force, torque, walls;
-  const bool has_products = !problem.input.split && !problem.input.linear;
+  const bool has_products = !problem.input.split && problem.term.is_sinh();
   const GaussPressure products(has_products ? state.u : std::span<const double>());
   for (std::size_t c = 0; c < cells.size(); ++c) {
     if (is_constant(chi, cells[c])) continue;

@@ -3,9 +3,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "pamr/base/case_file.hpp"
 #include "pamr/base/error.hpp"
@@ -31,32 +33,62 @@ bool fixes_potential(Condition condition) {
          condition == Condition::manufactured;
 }
 
-int valence_of(const TomlTable& table, const std::string& salt) {
+/// Charges of cation and anion, "2:1".
+void read_salt(const TomlTable& table, Electrolyte& e) {
+  const auto& salt = e.salt;
   const auto colon = salt.find(':');
   const auto digits = [](const std::string& text) {
     return text.size() == 1 && text[0] >= '1' && text[0] <= '9' ? text[0] - '0' : 0;
   };
   const int first = colon == std::string::npos ? 0 : digits(salt.substr(0, colon));
   const int second = colon == std::string::npos ? 0 : digits(salt.substr(colon + 1));
-  if (first == 0 || first != second)
-    table.refuse("salt", "a Z:Z salt (\"1:1\", \"2:2\", ...), for which the equation is lap psi = sinh psi");
-  return first;
+  if (first == 0 || second == 0)
+    table.refuse("salt", "the charges of cation and anion (\"1:1\", \"2:1\", ...), or tables [[electrolyte.ion]]");
+  e.valence = first == second ? first : 1;
+  if (first != second)
+    e.ions = {{first, second / std::gcd(first, second) * 1.0}, {-second, first / std::gcd(first, second) * 1.0}};
+}
+
+/// `[[electrolyte.ion]]` with charge and concentration. The Debye length follows from them.
+void read_ions(const TomlTable& table, Electrolyte& e) {
+  double charge = 0, size = 0;
+  for (const auto& row : table.list("ion")) {
+    const auto z = static_cast<int>(row.integer("charge", -9, 9));
+    if (z == 0) row.refuse("charge", "elementary charges of an ion, with sign", "0");
+    e.ions.push_back({z, row.number("concentration", {1e-12, 1e6})});
+    charge += z * e.ions.back().concentration;
+    size += std::abs(z) * e.ions.back().concentration;
+  }
+  if (e.ions.empty()) return read_salt(table, e);
+  for (const auto* key : {"salt", "concentration"})
+    if (table.has(key)) table.refuse(key, fmt::format("either {} or [[electrolyte.ion]]", key), "both");
+  if (!(std::abs(charge) <= 1e-9 * size))
+    table.refuse("ion", "ions whose charges add up to 0 (the sum of charge times concentration)",
+                 fmt::format("{:g} mol/m^3", charge));
+  e.salt = "mixed";
+}
+
+/// Takes the Debye length of a stated concentration; refuses another one.
+void set_debye_length(const TomlTable& table, const char* key, double concentration, Electrolyte& e) {
+  const double from_salt = debye_length(e, concentration);
+  if (e.debye_length && std::abs(*e.debye_length - from_salt) > 1e-3 * from_salt)
+    table.refuse(key, fmt::format("that of debye_length = {:g} m, or one of the two keys", *e.debye_length),
+                 fmt::format("{}, whose Debye length is {:g} m",
+                             e.salt == "mixed" ? "ions" : fmt::format("{:g} mol/m^3", concentration), from_salt));
+  if (!e.debye_length) e.debye_length = from_salt;
 }
 
 Electrolyte read_electrolyte(const TomlTable& table) {
   Electrolyte e;
   e.salt = table.text_or("salt", e.salt);
-  e.valence = valence_of(table, e.salt);
+  read_ions(table, e);
   e.temperature = table.number_or("temperature", e.temperature, {1, 10000});
   e.permittivity = table.number_or("permittivity", e.permittivity, {1, 10000});
   e.debye_length = table.find_number("debye_length", {1e-12, 1});
-  if (const auto concentration = table.find_number("concentration", {1e-12, 1e6})) {
-    const double from_salt = debye_length(e, *concentration);
-    if (e.debye_length && std::abs(*e.debye_length - from_salt) > 1e-3 * from_salt)
-      table.refuse("concentration",
-                   fmt::format("that of debye_length = {:g} m, or one of the two keys", *e.debye_length),
-                   fmt::format("{:g} mol/m^3, whose Debye length is {:g} m", *concentration, from_salt));
-    if (!e.debye_length) e.debye_length = from_salt;
+  if (e.salt == "mixed") {
+    set_debye_length(table, "ion", 1, e);
+  } else if (const auto concentration = table.find_number("concentration", {1e-12, 1e6})) {
+    set_debye_length(table, "concentration", *concentration, e);
   }
   return e;
 }
@@ -224,15 +256,17 @@ class Reader {
     for (const auto& [condition, name] : condition_names)
       if (word == name) boundary.condition = condition;
     const auto units = units_of(result_.electrolyte);
+    double most = largest_potential;
+    for (const auto& ion : result_.electrolyte.ions) most = std::min(most, largest_potential / std::abs(ion.charge));
     if (boundary.condition == Condition::potential) {
       const auto unit = table.word_or("unit", "kT/Ze", {"kT/Ze", "V", "mV"});
       const double scale = unit == "V" ? 1 / units.potential : unit == "mV" ? 1e-3 / units.potential : 1;
       boundary.value = scale * table.number("value", {-1e100, 1e100});
-      if (!result_.linear && !(std::abs(boundary.value) <= largest_potential))
+      if (!result_.linear && !(std::abs(boundary.value) <= most))
         table.refuse("value",
                      fmt::format("a potential of at most {:g} kT/Ze (its layer is {:.1e} Debye lengths thick, which no "
                                  "mesh can hold)",
-                                 largest_potential, layer_thickness(largest_potential, false)),
+                                 most, SourceTerm(false).layer_thickness(largest_potential)),
                      fmt::format("{:g} kT/Ze", boundary.value));
     } else if (boundary.condition == Condition::charge) {
       const auto unit = table.word_or("unit", "dimensionless", {"dimensionless", "C/m2"});
@@ -241,9 +275,9 @@ class Reader {
             fmt::format("{}: expected debye_length or concentration in [electrolyte] for a charge in C/m2, found none",
                         table.at("unit")));
       boundary.value = table.number("value", {-1e100, 1e100}) / (unit == "C/m2" ? *units.charge_density : 1);
-      const double potential = potential_of_charge(boundary.value, result_.linear);
-      if (!result_.linear && !(std::abs(potential) <= largest_potential))
-        table.refuse("value", fmt::format("a charge that makes a potential of at most {:g} kT/Ze", largest_potential),
+      const double potential = result_.term().potential_of_charge(boundary.value);
+      if (!result_.linear && !(std::abs(potential) <= most))
+        table.refuse("value", fmt::format("a charge that makes a potential of at most {:g} kT/Ze", most),
                      fmt::format("{:g}, which makes {:.4g} kT/Ze on a flat wall", boundary.value, potential));
     }
     return boundary;
@@ -290,6 +324,9 @@ class Reader {
 
   void check() {
     if (result_.boundary.empty()) refuse("a table [boundary.PATCH] for every patch of the mesh", "none");
+    if (result_.plate && !result_.linear && !result_.electrolyte.ions.empty())
+      refuse("a Z:Z salt with a table [plate] (or linear = true): its profile is that of sinh",
+             "\"" + result_.electrolyte.salt + "\"");
     if (result_.plate) {
       const auto* plate = result_.find_boundary(result_.plate->patch);
       if (plate == nullptr || plate->condition != Condition::potential)
@@ -346,10 +383,6 @@ bool Case::is_electrode(std::string_view patch) const {
   return b != nullptr && (b->condition == Condition::potential || b->condition == Condition::charge);
 }
 
-double layer_thickness(double potential, bool linear) { return linear ? 1 : 1 / std::cosh(potential / 2); }
-
-double potential_of_charge(double density, bool linear) { return linear ? density : 2 * std::asinh(density / 2); }
-
 PlateProfile Case::profile() const {
   return plate ? PlateProfile(plate->potential, plate->position, linear) : PlateProfile();
 }
@@ -377,8 +410,15 @@ std::vector<std::string> describe(const Case& problem) {
   lines.push_back(fmt::format("{} salt, {:g} K, permittivity {:g}: kT/Ze = {:.6g} mV, force unit {:.6g} N", e.salt,
                               e.temperature, e.permittivity, 1e3 * units.potential, units.force));
   if (units.length)
-    lines.push_back(fmt::format("Debye length {:.6g} m, salt {:.6g} mol/m^3", *units.length, *units.concentration));
-  lines.push_back(fmt::format("equation: lap psi = {}{}{}", problem.linear ? "psi" : "sinh psi",
+    lines.push_back(e.ions.empty()
+                        ? fmt::format("Debye length {:.6g} m, salt {:.6g} mol/m^3", *units.length, *units.concentration)
+                        : fmt::format("Debye length {:.6g} m", *units.length));
+  for (const auto& ion : e.ions)
+    lines.push_back(fmt::format("ions of charge {:+}: {:.6g}{}", ion.charge,
+                                ion.concentration * units.concentration.value_or(1),
+                                units.length ? " mol/m^3" : " in each formula unit"));
+  const auto* source = problem.linear ? "psi" : e.ions.empty() ? "sinh psi" : "- sum c z exp(-z psi) / sum c z^2";
+  lines.push_back(fmt::format("equation: lap psi = {}{}{}", source,
                               problem.manufactured ? " + manufactured source" : "",
                               problem.split ? ", solved for u = psi - psi0(z)" : ""));
   for (const auto& s : problem.spheres)

@@ -9,6 +9,7 @@
 #include "pamr/base/exact.hpp"
 #include "pamr/geometry/vec3.hpp"
 #include "solvers/poisson_boltzmann/problem/plate_profile.hpp"
+#include "solvers/poisson_boltzmann/problem/source_term.hpp"
 #include "solvers/poisson_boltzmann/problem/units.hpp"
 
 namespace pamr::poisson_boltzmann {
@@ -104,18 +105,14 @@ struct Case {
   bool is_electrode(std::string_view patch) const;
   /// psi0(z); 0 without a plate.
   PlateProfile profile() const;
+  /// The right-hand side of the equation.
+  SourceTerm term() const { return SourceTerm(linear, electrolyte.ions); }
 };
 
 /// Largest potential that is accepted where the equation is not linear, kT/Ze: there the layer at a wall is 3e-11 Debye
 /// lengths thick, which neither a mesh nor the coordinates of one can hold, and its profile is the same as that of any
-/// larger potential but for that layer.
+/// larger potential but for that layer. Ions of charge z are accepted up to a z-th part of it.
 inline constexpr double largest_potential = 50;
-
-/// Thickness of the layer of a wall of that potential, Debye lengths: 1/cosh(psi/2), the Gouy-Chapman length
-/// 2 exp(-psi/2) for large potentials and 1 for small ones. It is psi'/psi'' in front of a flat wall.
-double layer_thickness(double potential, bool linear);
-/// Potential of a flat wall with that charge density: 2 asinh(sigma/2).
-double potential_of_charge(double density, bool linear);
 
 /// Debye lengths in one `unit` ("debye", "m", "um", "nm"), or nothing when the unit is unknown. Throws `Error` when the
 /// unit is a length and the electrolyte has no Debye length.
@@ -124,7 +121,7 @@ std::optional<double> debye_lengths_in(std::string_view unit, const Electrolyte&
 /// Reads a case file (docs/tools/pamr-pb.md); tables of other tools are ignored. `where` is the file's name. Local.
 /// Throws `Error`
 /// - with file, line and column for TOML errors, unknown keys, wrong types and values out of range;
-/// - for salts that are not Z:Z, spheres that overlap or touch the plate, and lengths that contradict each other;
+/// - for ions whose charges do not add up to 0, a plate in a salt that is not Z:Z, spheres that overlap or touch the plate, and lengths that contradict each other;
 /// - for potentials beyond `largest_potential`, or charges that make such;
 /// - when no patch has a given potential or charge.
 Case read_case(std::string_view text, const std::string& where);

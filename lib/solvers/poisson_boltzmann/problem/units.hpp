@@ -3,16 +3,24 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace pamr::poisson_boltzmann {
 
-/// Solution of one salt whose two ions carry +Z and -Z elementary charges, in equal numbers.
+/// One kind of ions of a solution.
+struct Ion {
+  int charge = 0;            ///< elementary charges, with sign
+  double concentration = 0;  ///< far from all bodies: mol/m^3, or in each formula unit of one salt
+};
+
+/// Solution of one salt whose two ions carry +Z and -Z elementary charges, in equal numbers, or of any kinds of ions.
 struct Electrolyte {
   std::string salt = "1:1";
-  int valence = 1;                     ///< Z
+  int valence = 1;                     ///< Z; 1 where there are `ions`
   double temperature = 298.15;         ///< K
   double permittivity = 78.5;          ///< relative to the vacuum
   std::optional<double> debye_length;  ///< 1/kappa, m; nothing: the case is stated in Debye lengths only
+  std::vector<Ion> ions = {};          ///< whose charges add up to 0; empty for a Z:Z salt
 };
 
 /// What one dimensionless unit is worth. Lengths are scaled with kappa, potentials with Z e / kT.
@@ -23,13 +31,14 @@ struct Units {
   std::optional<double> charge_density;  ///< eps eps0 kappa kT/Ze, C/m^2
   std::optional<double> charge;          ///< eps eps0 (kT/Ze) / kappa, C
   std::optional<double> energy;          ///< force / kappa, J
-  std::optional<double> concentration;   ///< of the salt, mol/m^3
+  std::optional<double> concentration;   ///< of the salt, mol/m^3; with `ions`, what theirs are multiplied by
 };
 
 /// The units of an electrolyte; those that hold a length need its Debye length.
 Units units_of(const Electrolyte& electrolyte);
 
-/// Debye length of a Z:Z salt of `concentration` mol/m^3: kappa^2 = 2 n Z^2 e^2 / (eps eps0 kT). Meters.
+/// Debye length of a salt of `concentration` mol/m^3: kappa^2 = 2 n Z^2 e^2 / (eps eps0 kT), or with `ions` the sum of
+/// n z^2 in place of 2 n Z^2. Meters.
 double debye_length(const Electrolyte& electrolyte, double concentration);
 
 }  // namespace pamr::poisson_boltzmann
