@@ -3,6 +3,7 @@
 same mesh, the same words."""
 import gzip
 import pathlib
+import re
 import shutil
 import subprocess
 import warnings
@@ -137,7 +138,7 @@ def test_what_cases_of_openfoam_have_beside_a_mesh_is_told():
     def retype(case, name):
         if COMM.rank == 0:
             text = (case / "boundary").read_text()
-            (case / "boundary").write_text(text.replace("type patch;", f"type {name};", 1))
+            (case / "boundary").write_text(re.sub(r"type +patch;", f"type {name};", text, count=1))
     for change, name, words in [(add, "pointZones", "polyMesh has: pointZones"), (add, "sets", "polyMesh has: sets"),
                                 (add, "cellLevel", "polyMesh has: cellLevel"), (retype, "empty", "the type 'empty' of the patch 'xmin'"),
                                 (retype, "wedge", "the type 'wedge' of the patch 'xmin'"),
