@@ -82,7 +82,9 @@ TEST(Partition, TakesScotchWhereItsFewerFacesServeManyPasses) {
 
   EXPECT_EQ(few.method, Method::curve);
   EXPECT_EQ(many.method, balance::has_scotch() ? Method::scotch : Method::curve);
-  if (balance::has_scotch()) EXPECT_LT(many.quality.edge_cut, few.quality.edge_cut);
+  if (balance::has_scotch()) {
+    EXPECT_LT(many.quality.edge_cut, few.quality.edge_cut);
+  }
 }
 
 TEST(Partition, CutsRunsWhereNoneIsAskedForOtherPartsThanRanks) {

@@ -26,7 +26,7 @@ struct BoundaryCondition {
   };
   Kind kind = Kind::specular;
   double temperature = 0;  ///< K
-  Vec3 velocity;           ///< m/s, of the wall, in its plane
+  Vec3 velocity{};         ///< m/s, of the wall, in its plane
   double accommodation = 1;
   double normal_accommodation = 1;      ///< cll: of the normal energy
   double tangential_accommodation = 1;  ///< cll: of the tangential momentum
