@@ -45,8 +45,9 @@ void read_salt(const TomlTable& table, Electrolyte& e) {
   if (first == 0 || second == 0)
     table.refuse("salt", "the charges of cation and anion (\"1:1\", \"2:1\", ...), or tables [[electrolyte.ion]]");
   e.valence = first == second ? first : 1;
-  if (first != second)
-    e.ions = {{first, second / std::gcd(first, second) * 1.0}, {-second, first / std::gcd(first, second) * 1.0}};
+  if (first == second) return;
+  const int common = std::gcd(first, second), n_cations = second / common, n_anions = first / common;
+  e.ions = {{first, static_cast<double>(n_cations)}, {-second, static_cast<double>(n_anions)}};
 }
 
 /// `[[electrolyte.ion]]` with charge and concentration. The Debye length follows from them.
