@@ -44,8 +44,8 @@ void declare(cli::CommandLine& line, Options& o) {
   line.flag("--keep-cells", o.keep_cells,
             "leave every cell on its rank for the whole run; without it cells move when that saves time");
   line.flag("--check-resolution", o.check_resolution,
-            "afterwards the same with a quarter of the particles: what too few of them add to the errors of the "
-            "coefficients");
+            "afterwards a second run with a quarter of the particles, for the error of the coefficients that too few "
+            "particles make");
   line.flag("--force", o.force, cli::force_help);
   line.group("Checkpoints",
              "pamr-dsmc case.toml --mesh level0.hdf -o flow.hdf --checkpoint run.hdf --every 1000\n"
@@ -186,7 +186,7 @@ dsmc::Advance advance(cli::Session& session, const Options& o, dsmc::Computation
   return dsmc::advance(computation, o.advance, observer);
 }
 
-/// What too few particles add to the errors: computed if asked for, else what to expect.
+/// The error that too few particles make: computed if asked for, else its expected size.
 void check_resolution(cli::Session& session, const Options& o, const dsmc::Computation& computation,
                       dsmc::Outcome& outcome) {
   if (!o.check_resolution) {

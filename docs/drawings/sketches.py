@@ -92,7 +92,7 @@ def draw_spheres(file):
     canvas.text(side(0, 1.7), "salt water", 14, color=FAINT)
     canvas.text((225, 312), "from the side; lengths h to the centers", 14)
 
-    # What is meshed: 0 <= x <= 9.75, 0 <= y <= 7.5, 0 <= z <= 10, x to the right, z up, y to the back.
+    # The meshed quarter: 0 <= x <= 9.75, 0 <= y <= 7.5, 0 <= z <= 10, x to the right, z up, y to the back.
     at = lambda x, y, z: (520 + 19 * x + 10.5 * y, 270 - 19 * z - 6.5 * y)
     x1, y1, z1 = 9.75, 7.5, 10
     for a, b in (((0, y1, 0), (0, 0, 0)), ((0, y1, 0), (x1, y1, 0)), ((0, y1, 0), (0, y1, z1))):

@@ -9,7 +9,7 @@
 #include "pamr/geometry/vec3.hpp"
 #include "pamr/mesh/tet.hpp"
 
-/// What fluxes through the faces of a cell need. Volumes and centroids of cells: geometry/tet_shape.hpp.
+/// Areas and centroids of faces, for fluxes between cells. Volumes and centroids of cells: geometry/tet_shape.hpp.
 namespace pamr::mesh {
 
 /// Corners of the face opposite corner `slot` (0 to 3), counter-clockwise seen from outside; lengths as of `cell`.

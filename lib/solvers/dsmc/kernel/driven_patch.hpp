@@ -71,7 +71,7 @@ class DrivenPatch {
   /// Averages in the sums of all ranks. Local.
   void end_step(std::span<const std::int64_t> words);
 
-  /// The averages so far: what a checkpoint keeps.
+  /// The averages so far, as checkpoints keep them.
   const std::vector<double>& means() const { return mean_; }
   /// The reverse. Throws `Error` for numbers that no averages are. Local.
   void set_means(std::span<const double> means);

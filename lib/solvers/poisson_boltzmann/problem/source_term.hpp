@@ -33,7 +33,7 @@ class SourceTerm {
   double pressure(double u, double psi0) const;
   /// d pressure / du: f(psi0 + u).
   double pressure_slope(double u, double psi0) const;
-  /// pressure - u f(psi0) >= 0: what the mid-plane form integrates. No cancellation.
+  /// pressure - u f(psi0) >= 0, the integrand of the mid-plane form. No cancellation.
   double convex_rest(double u, double psi0) const;
 
   /// True for the equation with sinh.

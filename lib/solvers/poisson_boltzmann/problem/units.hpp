@@ -31,7 +31,7 @@ struct Units {
   std::optional<double> charge_density;  ///< eps eps0 kappa kT/Ze, C/m^2
   std::optional<double> charge;          ///< eps eps0 (kT/Ze) / kappa, C
   std::optional<double> energy;          ///< force / kappa, J
-  std::optional<double> concentration;   ///< of the salt, mol/m^3; with `ions`, what theirs are multiplied by
+  std::optional<double> concentration;   ///< of the salt, mol/m^3; with `ions` the factor of theirs
 };
 
 /// The units of an electrolyte; those that hold a length need its Debye length.
