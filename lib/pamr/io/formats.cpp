@@ -281,8 +281,7 @@ void write_mesh(const Comm& comm, const Path& file, const mesh::DistMesh& mesh, 
                                    : fmt::format("boundary conditions (.mapbc) of {} patches are", n_conditions),
                                format.name, n_conditions == 1 ? "it" : "them"));
   if (options.remark && !format.is_surface)
-    if (const auto text = text_of_lost_fields(format, mesh, options.keeps_fields); !text.empty())
-      options.remark(text);
+    if (const auto text = text_of_lost_fields(format, mesh, options.keeps_fields); !text.empty()) options.remark(text);
   if (format.has_inner_patches || format.is_surface || !options.remark) return;
   const auto n_faces = mesh::count_inner_faces(comm, mesh);
   for (std::size_t p = 0; p < n_faces.size(); ++p)
