@@ -7,7 +7,6 @@
 #include <string>
 #include <utility>
 
-#include "pamr/balance/dual_graph.hpp"
 #include "pamr/balance/join_pieces.hpp"
 #include "pamr/balance/piece.hpp"
 #include "pamr/base/error.hpp"

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <numeric>
 
-#include "pamr/balance/dual_graph.hpp"
 #include "pamr/base/contract.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/mesh/ghost_values.hpp"

@@ -6,7 +6,6 @@
 #include <numeric>
 #include <utility>
 
-#include "pamr/balance/dual_graph.hpp"
 #include "pamr/base/contract.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/mesh/ghost_values.hpp"

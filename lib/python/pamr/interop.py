@@ -155,10 +155,11 @@ def to_dolfinx(mesh: Mesh) -> DolfinxMesh:
 
 def rows_of_numbers(known: np.ndarray, wanted: np.ndarray) -> np.ndarray:
     """Where each wanted number stands among the known ones, -1 where it does not."""
+    if len(known) == 0:
+        return np.full(len(wanted), -1)
     order = np.argsort(known)
-    place = np.searchsorted(known, wanted, sorter=order).clip(max=max(len(known) - 1, 0))
-    rows = order[place] if len(known) else np.zeros(len(wanted), np.int64)
-    return np.where(known[rows] == wanted, rows, -1) if len(known) else rows - 1
+    rows = order[np.searchsorted(known, wanted, sorter=order).clip(max=len(known) - 1)]
+    return np.where(known[rows] == wanted, rows, -1)
 
 
 def _ranks_at_cells(mesh: Mesh) -> tuple[np.ndarray, np.ndarray]:
