@@ -68,6 +68,15 @@ def test_every_option_is_in_a_group_that_can_be_surveyed():
         assert page[0] == "pamr-picture" or list(n)[-1] == "Options of all tools:", f"{page}: {n}"
 
 
+def test_commands_have_examples_and_defaults_of_their_own():
+    for page, text in helps():
+        if len(page) == 2:
+            example = re.search(r"^  Example: pamr-surface (\w+) ", text, re.M)
+            assert example and example.group(1) == page[1], f"{page}: {example}"
+            if "--steps" in text:
+                assert re.search(r"--steps INT:1 to \d+=\d", text), page
+
+
 def test_every_tool_has_examples_and_all_of_them_can_be_read():
     seen = set()
     for page, text in helps():

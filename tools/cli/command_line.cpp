@@ -11,6 +11,8 @@
 #include <optional>
 #include <utility>
 
+#include "cli/help_format.hpp"
+
 namespace pamr::cli {
 namespace {
 
@@ -101,8 +103,10 @@ Option CommandLine::option(const std::string& name, T& value, const std::string&
 }
 template <class T>
 Option CommandLine::option(const std::string& name, Exact<T>& value, const std::string& help) {
-  return Option(app_->add_option_function<T>(
-      name, [&value](const T& given) { value = given; }, help));
+  auto* const option = app_->add_option_function<T>(
+      name, [&value](const T& given) { value = given; }, help);
+  option->default_function([&value] { return fmt::to_string(static_cast<T>(value)); });
+  return Option(option);
 }
 template Option CommandLine::option(const std::string&, std::string&, const std::string&);
 template Option CommandLine::option(const std::string&, int&, const std::string&);
@@ -156,6 +160,7 @@ std::vector<std::pair<std::string, std::string>> CommandLine::listed() const {
 CommandLine CommandLine::subcommand(const std::string& name, const std::string& help) {
   auto* const command = app_->add_subcommand(name, help);
   command->fallthrough();
+  command->formatter(help_format(help_width()));  // whose examples are those of its own groups
   app_->require_subcommand(1);
   return CommandLine(*command);
 }
