@@ -268,7 +268,7 @@ def as_large_as_stars(occ):
 def inner_patch(occ):
     """Two volumes, and the face between them is a physical surface, too, as solvers with interfaces want it."""
     made = ball_of_another_matter(occ)
-    return dataclasses.replace(made, inner_patch="interface", says="'interface'")
+    return dataclasses.replace(made, inner_patch="interface")
 
 
 @shape(0.7)
@@ -276,7 +276,7 @@ def wall_between_two_rooms(occ):
     """Two boxes share a face, which is a physical surface; a ball hangs in one of them."""
     rooms = cut(occ, occ.addBox(-2, -2, -2, 4, 4, 4), occ.addSphere(0, 0, 0, 1))
     occ.fragment(rooms, [(3, occ.addBox(2, -2, -2, 2, 4, 4))])
-    return Made({"ball": Sphere((0, 0, 0), 1)}, keep_volumes=True, inner_patch="door", says="'door'")
+    return Made({"ball": Sphere((0, 0, 0), 1)}, keep_volumes=True, inner_patch="door")
 
 
 @shape(0.7)

@@ -14,7 +14,7 @@ described. Each result is held to what must be true:
 - nodes on described walls lie on them as OpenCASCADE finds the nearest point, but for those that the tool counts as off;
 - the volume comes nearer to that of the closed form at described walls (a fifth of the error at level 0, or better), and
   stays as it was without description; so do the areas of the walls;
-- regions keep their volumes and the area between them;
+- regions keep their volumes and the area between them, which is that of the patch inside where the file has one;
 - at every level the smallest mean ratio is 0.8 of min(0.29, 0.95 U), where U is what splitting every cell into eight gives.
 """
 import argparse
@@ -174,6 +174,11 @@ class Journey:
         areas = [mesh.area_between_regions() for mesh in (first, fine)]
         if abs(areas[1] - areas[0]) > 1e-10 * areas[0]:
             faults.append(f"the area between regions changes from {areas[0]:.10g} to {areas[1]:.10g}")
+        if name := self.model.made.inner_patch:
+            for mesh, area in zip(("level0.hdf", f"level{LEVELS}_3.hdf"), areas):
+                found = self.report("pamr-quality", mesh)["patches"].get(name, {"area": 0})["area"]
+                if abs(found - area) > 1e-10 * area:
+                    faults.append(f"{name} has the area {found:.10g} in {mesh}, between the regions there is {area:.10g}")
         return faults
 
 
