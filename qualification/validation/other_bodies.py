@@ -116,6 +116,25 @@ def nurbs(h):
     return Body("Sphere(1) = {0, 0, 0, 1};\nDilate {{0, 0, 0}, {1, 0.6, 0.8}} { Volume{1}; }\n", 0.36 * h)
 
 
+STRETCHED = "Dilate {{{{0, 0, 0}}, {{{0}}}}} {{ Volume{{{1}}}; }}\n"
+
+
+def nurbs_outside(h):
+    """A box around an egg of revolution, of NURBS, a node at each pole; smallest radius of curvature 0.64."""
+    return Body(cut("Sphere(2) = {0, 0, 0, 1};\n" + STRETCHED.format("1, 1, 0.8", 2)), 0.64 * h)
+
+
+def cone(h, stretched=""):
+    """A cone with its tip, whose radius of curvature is 0 there; h is over half of the base's radius."""
+    return Body("Cone(1) = {0, 0, 0, 0, 0, 1.5, 1, 0};\n" + stretched, 0.5 * h)
+
+
+def half_torus(h):
+    """The part below z = 0.1 of a torus of NURBS; smallest radius of curvature 0.32."""
+    return Body("Torus(1) = {0, 0, 0, 1, 0.4};\n" + STRETCHED.format("1, 0.8, 0.9", 1) + "Box(2) = {-2, -2, 0.1, 4, 4, 2};\n"
+                "BooleanDifference{ Volume{1}; Delete; }{ Volume{2}; Delete; }\n", 0.32 * h)
+
+
 def loft(h):
     """A duct from a circle to an ellipse, of NURBS; smallest radius of curvature 0.45."""
     return Body("Circle(1) = {0, 0, 0, 1};\nEllipse(2) = {0.3, 0, 1, 1.1, 0.8};\nEllipse(3) = {0, 0, 2, 0.8, 0.6};\n"
@@ -310,6 +329,10 @@ BODIES = {
     "step-pipes-outside": lambda h: Body(cut(PIPES.format(2, 3) + "BooleanUnion{ Volume{2}; Delete; }{ Volume{3}; Delete; }\n", 2.5), 0.6 * h),
     "step-nose": nose,
     "step-nurbs": nurbs,
+    "step-nurbs-outside": nurbs_outside,
+    "step-cone": cone,
+    "step-nurbs-cone": lambda h: cone(h, STRETCHED.format("1, 0.8, 1", 1)),
+    "step-half-torus": half_torus,
     "step-loft": loft,
     "step-capsule": lambda h: Body("Cylinder(1) = {0, 0, 0, 0, 0, 2, 1};\nSphere(2) = {0, 0, 0, 1};\nSphere(3) = {0, 0, 2, 1};\n"
                                    "BooleanUnion{ Volume{1}; Delete; }{ Volume{2, 3}; Delete; }\n", h),

@@ -13,8 +13,11 @@ namespace pamr::geometry {
 
 namespace {
 
-constexpr double beyond_box = 0.05;    // of the parameters' range: how far a search may leave the face
-constexpr double at_pole = 1e-9;       // of the size
+constexpr double beyond_box = 0.05;   // of the parameters' range: how far a search may leave the face
+constexpr double at_pole = 1e-9;      // of the size
+constexpr double one_point = 1e-7;    // of the size: within it a side of the parameters is a pole
+constexpr double beside_pole = 1e-3;  // of the parameters' range: where directions from a pole are looked at
+constexpr int pole_directions = 16;
 constexpr double box_slack = 1e-6;     // of the parameters' range
 constexpr double safely_inside = 0.8;  // of the clearance
 constexpr double near_border = 3;      // times how far the triangles may lie off the face
@@ -53,14 +56,13 @@ CadFace::CadFace(CadFaceData data, std::span<const CadEdge> edges, double size)
     : data_(std::move(data)), edges_(edges), size_(size) {
   if (data_.triangle.empty()) throw Error("expected a face that can be sampled, found one without area");
   for (const auto uv : data_.sample) points_.push_back(data_.surface->point(uv));
+  find_poles();
   std::vector<std::array<Vec3, 3>> corners;
   for (const auto& t : data_.triangle) {
     corners.push_back({points_[at(t[0])], points_[at(t[1])], points_[at(t[2])]});
-    const auto uv = [&](std::size_t k) { return data_.sample[at(t[k])]; };
     const auto off = [&](std::array<double, 3> w) {
       const auto flat = w[0] * corners.back()[0] + w[1] * corners.back()[1] + w[2] * corners.back()[2];
-      return norm(flat - data_.surface->point({w[0] * uv(0).u + w[1] * uv(1).u + w[2] * uv(2).u,
-                                               w[0] * uv(0).v + w[1] * uv(1).v + w[2] * uv(2).v}));
+      return norm(flat - data_.surface->point(at_weights(t, w)));
     };
     deflection_ = std::max(
         {deflection_, off({1 / 3.0, 1 / 3.0, 1 / 3.0}), off({0.5, 0.5, 0}), off({0, 0.5, 0.5}), off({0.5, 0, 0.5})});
@@ -83,6 +85,88 @@ CadFace::CadFace(CadFaceData data, std::span<const CadEdge> edges, double size)
   borders_.emplace(segments);
   for (const auto& [p, q, r] : corners)
     clearance_.push_back(std::sqrt(nearest_border((1.0 / 3) * (p + q + r)).foot.squared_distance));
+}
+
+void CadFace::find_poles() {
+  if (data_.pole.empty() || data_.surface->foot(data_.pole[0])) return;
+  for (const bool fixes_u : {false, true})
+    for (const bool is_low : {true, false}) {
+      const auto& ends = fixes_u ? std::array{data_.low.u, data_.high.u} : std::array{data_.low.v, data_.high.v};
+      Pole pole{{}, fixes_u, ends[is_low ? 0 : 1], ends[is_low ? 1 : 0], 0, false};
+      pole.point = data_.surface->point(beside(pole, 0, 0));
+      bool is_one_point = true;
+      for (int i = 1; i <= pole_directions; ++i)
+        is_one_point = is_one_point && norm(data_.surface->point(beside(pole, 1.0 * i / pole_directions, 0)) -
+                                            pole.point) <= one_point * size_;
+      if (!is_one_point) continue;
+      pole.is_closed = norm(data_.surface->point(beside(pole, 0, beside_pole)) -
+                            data_.surface->point(beside(pole, 1, beside_pole))) <= one_point * size_;
+      for (const auto& t : data_.triangle)
+        if (std::any_of(t.begin(), t.end(), [&](int i) { return is_at(pole, data_.sample[at(i)]); }))
+          for (const int i : t) pole.reach = std::max(pole.reach, norm(points_[at(i)] - pole.point));
+      poles_.push_back(pole);
+    }
+}
+
+bool CadFace::is_at(const Pole& pole, Uv uv) const {
+  return std::abs((pole.fixes_u ? uv.u : uv.v) - pole.side) <= box_slack * std::abs(pole.inside - pole.side);
+}
+
+/// The parameters at a part of the side, and at a part of the way to the opposite one.
+Uv CadFace::beside(const Pole& pole, double along, double inwards) const {
+  const double across = pole.side + inwards * (pole.inside - pole.side);
+  if (pole.fixes_u) return {across, data_.low.v + along * (data_.high.v - data_.low.v)};
+  return {data_.low.u + along * (data_.high.u - data_.low.u), across};
+}
+
+/// Where to begin the search for a point near a pole: derivatives there say nothing of directions, and the samples have
+/// one of all the parameters that belong to it. Of some directions into the face that which comes nearest to the
+/// point's, seen along the normal.
+Uv CadFace::start_at(const Pole& pole, Vec3 point) const {
+  std::array<Vec3, pole_directions> ray;
+  const auto part = [](std::size_t i) { return (static_cast<double>(i) + 0.5) / pole_directions; };
+  for (std::size_t i = 0; i < ray.size(); ++i)
+    ray[i] = data_.surface->point(beside(pole, part(i), beside_pole)) - pole.point;
+  Vec3 normal;
+  for (std::size_t i = 0; i + 1 < ray.size(); ++i) normal = normal + cross(ray[i], ray[i + 1]);
+  if (pole.is_closed) normal = normal + cross(ray.back(), ray.front());
+  if (const double length = norm(normal); length > 0) normal = (1 / length) * normal;
+  const auto flat = [&](Vec3 v) { return v - dot(v, normal) * normal; };
+  const Vec3 to = point - pole.point;
+  Uv start = beside(pole, 0.5, 0);
+  double farthest = 0;
+  for (std::size_t i = 0; i < ray.size(); ++i) {
+    const Vec3 along = flat(ray[i]);
+    const double length = norm(along), ahead = length > 0 ? dot(to, along) / length : 0;
+    if (ahead <= farthest) continue;
+    farthest = ahead;
+    const double on_ray = dot(to, ray[i]) / dot(ray[i], ray[i]);  // of a point high above a cone far less than `ahead`
+    start = beside(pole, part(i), std::min(1.0, beside_pole * (on_ray > 0 ? on_ray : ahead / length)));
+  }
+  return start;
+}
+
+/// Parameters of a point of a flat triangle. A corner at a pole has all the parameters along that side: it takes those
+/// of the other corners.
+Uv CadFace::at_weights(const std::array<int, 3>& triangle, const std::array<double, 3>& weight) const {
+  const auto mean = [&](double Uv::*parameter, bool of_u) {
+    double sum = 0, whole = 0, equal = 0;
+    int n = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Uv uv = data_.sample[at(triangle[k])];
+      if (std::any_of(poles_.begin(), poles_.end(), [&](const Pole& p) { return p.fixes_u != of_u && is_at(p, uv); }))
+        continue;
+      sum += weight[k] * uv.*parameter;
+      whole += weight[k];
+      equal += uv.*parameter;
+      ++n;
+    }
+    const auto of = [&](std::size_t k) { return data_.sample[at(triangle[k])].*parameter; };
+    if (n == 3) return of(0) + weight[1] * (of(1) - of(0)) + weight[2] * (of(2) - of(0));
+    if (n == 0) return of(0);
+    return whole > box_slack ? sum / whole : equal / n;
+  };
+  return {mean(&Uv::u, true), mean(&Uv::v, false)};
 }
 
 Uv CadFace::in_period(Uv uv) const {
@@ -182,8 +266,14 @@ bool CadFace::is_inside(Uv uv, Vec3 on_surface, const BorderFoot& nearest) const
 
 CadFoot CadFace::project(Vec3 point) const {
   const auto hit = triangles_->nearest(point);
-  const auto result = project_from(point, seed(hit), hit.triangle);
-  if (result.distance <= norm(point - flat_point(hit)) + deflection_) return result;
+  const Vec3 flat = flat_point(hit);
+  auto result = project_from(point, seed(hit), hit.triangle);
+  for (const auto& pole : poles_) {
+    if (norm(flat - pole.point) > pole.reach) continue;
+    if (const auto other = project_from(point, start_at(pole, point), -1); other.distance < result.distance)
+      result = other;
+  }
+  if (result.distance <= norm(point - flat) + deflection_) return result;
   return project_from_samples(point, result);
 }
 
@@ -253,9 +343,7 @@ Vec3 CadFace::flat_point(const TriangleTree::Hit& hit) const {
 }
 
 Uv CadFace::seed(const TriangleTree::Hit& hit) const {
-  const auto& t = data_.triangle[at(hit.triangle)];
-  const Uv a = data_.sample[at(t[0])], b = data_.sample[at(t[1])], c = data_.sample[at(t[2])];
-  return {a.u + hit.u * (b.u - a.u) + hit.v * (c.u - a.u), a.v + hit.u * (b.v - a.v) + hit.v * (c.v - a.v)};
+  return at_weights(data_.triangle[at(hit.triangle)], {1 - hit.u - hit.v, hit.u, hit.v});
 }
 
 double CadFace::gap(int border) const {

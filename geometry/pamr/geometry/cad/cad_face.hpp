@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <limits>
 #include <optional>
 #include <span>
@@ -26,7 +27,7 @@ class CadFace {
   CadFace(CadFaceData data, std::span<const CadEdge> edges, double size);
 
   const CadFaceData& data() const { return data_; }
-  /// Nearest point. Cost: a query of a tree and a closed form or some Newton steps; near a border twice that.
+  /// Nearest point. Cost: a query of a tree and a closed form or some Newton steps; near a border or a pole twice that.
   CadFoot project(Vec3 point) const;
   /// Unit normal at the parameters, out of the body.
   Vec3 normal(Uv uv) const;
@@ -43,6 +44,19 @@ class CadFace {
     int border = -1;  ///< -1 with a distance: a pole
     CadEdgeFoot foot{{}, 0, std::numeric_limits<double>::infinity()};
   };
+  /// A side of the parameters that is one point, of a surface without a closed form.
+  struct Pole {
+    Vec3 point;
+    bool fixes_u = false;         ///< the side has one u, else one v
+    double side = 0, inside = 0;  ///< that u or v, and the one of the opposite side
+    double reach = 0;             ///< length of the triangles there
+    bool is_closed = false;       ///< the face goes all the way around it
+  };
+  void find_poles();
+  bool is_at(const Pole& pole, Uv uv) const;
+  Uv beside(const Pole& pole, double along, double inwards) const;
+  Uv start_at(const Pole& pole, Vec3 point) const;
+  Uv at_weights(const std::array<int, 3>& triangle, const std::array<double, 3>& weight) const;
   CadFoot project_from(Vec3 point, Uv start, int triangle) const;
   CadFoot project_from_samples(Vec3 point, CadFoot best) const;
   /// The point of a flat triangle, and its parameters.
@@ -60,6 +74,7 @@ class CadFace {
   std::span<const CadEdge> edges_;
   std::vector<Vec3> points_;  ///< of the samples
   std::optional<TriangleTree> triangles_, borders_;
+  std::vector<Pole> poles_;
   std::vector<double> clearance_;  ///< distance of a triangle's middle from the borders
   struct Chord {
     int border = 0;
