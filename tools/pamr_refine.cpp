@@ -235,8 +235,9 @@ cli::ExitCode report_forecast(cli::Session& session, const mesh::DistMesh& input
     if (show_floors) shapes += fmt::format("; splitting into eight alone: mean ratio {:.4f}", bound.of_uniform_levels);
     if (options.quality_control == refine::QualityControl::removable) {
       report["shape_bound"] = bound.of_all_levels;
-      shapes += fmt::format("; mean ratio at least {:.4f} at every level, {}", bound.of_all_levels,
-                            mesh::has_level0(mesh) ? "at coarse walls by three levels" : "where cells are straight");
+      shapes += fmt::format("; mean ratio at least {:.4f} at every level ({}where cells are straight{})",
+                            bound.of_all_levels, mesh::has_level0(mesh) ? "proved " : "",
+                            mesh::has_level0(mesh) ? ", estimated from three levels near coarse walls" : "");
     }
   }
   session.write_report(report);
