@@ -4,7 +4,7 @@
     curved_walls.py BIN_FOLDER [--cases NAME,...] [--sizes H,...] [--mesher pamr|gmsh] [--repair] [--levels N] [--max-cells N]
                     [--layers N] [--ranks N] [--keep DIR]
     curved_walls.py BIN_FOLDER --others [NAME,...] [--sizes H,...] [--repair] [--seeds N] [--policy NAME] [--levels N]
-                    [--max-cells N] [--keep DIR]
+                    [--shape-floor TAU] [--max-cells N] [--keep DIR]
 
 A row a body and size: cells of the last level, the smallest mean ratio of each level, closure families that were kept, nodes that
 are off their surface, errors of area and volume at the last level with their orders. Exit code 1 when a cell is inverted, a
@@ -52,6 +52,7 @@ def arguments():
     parser.add_argument("--others", nargs="?", const="all", help="bodies of other_bodies.py")
     parser.add_argument("--seeds", type=int, default=4, help="of --others: of random marks, a fifth of all cells at each level")
     parser.add_argument("--policy", choices=("removable", "isotropic", "short-edge", "none"), default="removable", help="of --others")
+    parser.add_argument("--shape-floor", type=float, default=0.35, help="of --others")
     parser.add_argument("--keep", type=pathlib.Path, help="leave the meshes in this folder")
     return parser.parse_args()
 
@@ -277,7 +278,7 @@ def same_on_ranks(options, first, folder):
 
 def run_other(options, pamr, comm, name, size, folder):
     """Prints the rows of one body; true where nothing was broken."""
-    call, how = caller(options), {"quality_control": options.policy}
+    call, how = caller(options), {"quality_control": options.policy, "shape_floor": options.shape_floor}
     first = pamr.Mesh.read(comm, other_bodies.make(call, other_bodies.BODIES[name](size), folder, options.repair))
     bound, mesh = mean_ratios(first).min(), first
     start, walls = bound, [-1 - p for p in curved_patches(first)]
