@@ -61,6 +61,16 @@ class Plane:
         return (x - self.point) @ self.normal, np.broadcast_to(self.normal, x.shape)
 
 
+class FacePlanes:
+    """Of each point its own plane: of the level-0 face without a surface that meets the wall there."""
+
+    def __init__(self, points, normals):
+        self.points, self.normals = points, normals / np.linalg.norm(normals, axis=1)[:, None]
+
+    def distance(self, x):
+        return ((x - self.points) * self.normals).sum(axis=1), self.normals
+
+
 KINDS = {"sphere": Sphere, "cylinder": Cylinder, "plane": Plane}
 
 
@@ -87,7 +97,8 @@ class Map:
         self.points, self.bulges = table["points"].reshape(-1, 4, 3), table["bulges"].reshape(-1, 6, 3)
         self.face_patches, self.edge_patches = table["face_patches"], table["edge_patches"].reshape(-1, 6, 2)
         self.is_bent = table["flags"][:, 2, None] >> np.arange(4) & 1 == 1
-        assert not table["beside"].any() and not table["flags"][:, :2].any(), "patches without a surface are not known here"
+        self.beside, self.is_sharp = table["beside"].reshape(-1, 6, 3), table["flags"][:, 0, None] >> np.arange(6) & 1 == 1
+        assert not table["flags"][:, 1].any(), "sharp edges inside a surface are not known here"
         edge = self.points[:, 1:] - self.points[:, :1]
         self.sign = np.sign(np.linalg.det(edge))
         self.volume = abs(np.linalg.det(edge)) / 6
@@ -105,13 +116,19 @@ class Map:
         by_weight = self.points + np.einsum("ei,rek->rik", slope, self.bulges)
         return by_weight[:, 1:] - by_weight[:, :1]
 
-    def on_walls(self, patches, x):
-        """Points moved onto the surfaces of two patches (R x 2); of cells without patches as they are."""
+    def on_walls(self, patches, x, edge=None):
+        """Points moved onto the surfaces of two patches (R x 2); of cells without patches as they are.
+
+        Those of an edge beside a sharp face without a surface stay in the plane of that face.
+        """
         result = x.copy()
+        is_sharp = np.zeros(len(x), bool) if edge is None else self.is_sharp[:, edge]
         for pair in {tuple(p) for p in patches if p[0] >= 0}:
-            here = (patches == pair).all(axis=1)
-            walls = [self.walls[p] for p in dict.fromkeys(pair)]
-            result[here] = onto([w for w in dict.fromkeys(walls) if w is not None], x[here])
+            walls = [w for w in dict.fromkeys(self.walls[p] for p in dict.fromkeys(pair)) if w is not None]
+            for sharp in (False, True):
+                here = (patches == pair).all(axis=1) & (is_sharp == sharp)
+                planes = [FacePlanes(self.points[here, EDGES[edge, 0]], self.beside[here, edge])] if sharp and here.any() else []
+                result[here] = onto(walls + planes, x[here])
         return result
 
     def to_bounds(self, w, f):
@@ -126,20 +143,20 @@ class Map:
             part[[a, b]] = w[[a, b]] / (w[a] + w[b])
             y = self.quadratic(part)
             is_end = patches[:, :1] != patches[:, 1:]
-            wanted += np.where(is_end, (w[a] + w[b]) ** 2 * (self.on_walls(patches, y) - y), 0.0)
+            wanted += np.where(is_end, (w[a] + w[b]) ** 2 * (self.on_walls(patches, y, e) - y), 0.0)
         return wanted
 
     def residual(self, w):
         """What walls add at weights, which may lie outside of the cells; faces and edges in walls with these corners count."""
         support = {i for i in range(4) if w[i] != 0}
         faces = [f for f in range(4) if set(FACES[f]) <= support]
-        in_wall = [(FACES[f], np.stack([self.face_patches[:, f]] * 2, axis=1), 1.0, f) for f in faces]
+        in_wall = [(FACES[f], np.stack([self.face_patches[:, f]] * 2, axis=1), 1.0, f, None) for f in faces]
         for e in range(6):
             if set(EDGES[e]) <= support:
                 n_faces = sum((self.face_patches[:, f] >= 0).astype(float) for f in faces if set(EDGES[e]) <= set(FACES[f]))
-                in_wall.append((list(EDGES[e]), self.edge_patches[:, e], 1 - n_faces, None))
+                in_wall.append((list(EDGES[e]), self.edge_patches[:, e], 1 - n_faces, None, e))
         residual = np.zeros((len(self.points), 3))
-        for corners, patches, factor, face in in_wall:
+        for corners, patches, factor, face, edge in in_wall:
             share = w[corners].sum()
             if share <= 0:
                 continue
@@ -147,7 +164,7 @@ class Map:
             part[corners] = w[corners] / share
             y = self.quadratic(part)
             from_ = y if face is None else y + self.to_bounds(part, face)
-            residual += np.where(patches[:, 0] >= 0, factor * share**2, 0.0)[:, None] * (self.on_walls(patches, from_) - y)
+            residual += np.where(patches[:, 0] >= 0, factor * share**2, 0.0)[:, None] * (self.on_walls(patches, from_, edge) - y)
         return residual
 
     def place(self, w):
@@ -156,11 +173,12 @@ class Map:
         x = self.quadratic(w)
         mapped = x + self.residual(w)
         if len(support) in (2, 3):  # of a face or an edge in a wall: just onto the wall
-            own, from_ = self.edge_patches[:, EDGES.tolist().index(support)] if len(support) == 2 else None, x
-            if len(support) == 3:
+            edge, from_ = EDGES.tolist().index(support) if len(support) == 2 else None, x
+            own = None if edge is None else self.edge_patches[:, edge]
+            if edge is None:
                 face = 6 - sum(support)
                 own, from_ = np.stack([self.face_patches[:, face]] * 2, axis=1), x + self.to_bounds(w, face)
-            mapped = np.where(own[:, :1] >= 0, self.on_walls(own, from_), mapped)
+            mapped = np.where(own[:, :1] >= 0, self.on_walls(own, from_, edge), mapped)
         straight = np.einsum("i,rik->rk", w, self.points)
         return np.where(self.is_bent[:, support].any(axis=1)[:, None], mapped, straight)
 
