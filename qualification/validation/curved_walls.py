@@ -95,6 +95,11 @@ def make_level_0(call, name, size, mesher, folder, repair=False):
     return case, mesh
 
 
+def points_of_file(path):
+    with h5py.File(path) as file:
+        return file["VTKHDF/Points"][:]
+
+
 class Walls:
     """Faces of the patches of a mesh."""
 

@@ -90,6 +90,17 @@ def test_files_and_memory_give_the_same_bits_and_coarsening_gives_level_0_back()
     expect_same("level0.hdf", "memory.hdf", ("provenance", "parent", "refine"))
 
 
+def test_linear_functions_on_nodes_stay_to_second_order():
+    """New nodes lie off the middles of their edges, by a quarter of that at each level; their values are means of the ends."""
+    mesh, errors = ball(), []
+    for level in range(4):
+        mesh.node_fields["u"] = mesh.points @ [1.0, 2.0, -0.5]
+        mesh = pamr.refine(mesh, np.ones(len(mesh.cells), bool)).mesh
+        off = np.abs(mesh.node_fields["u"] - mesh.points @ [1.0, 2.0, -0.5])
+        errors.append(COMM.allreduce(off.sum()) / COMM.allreduce(np.count_nonzero(off > 1e-15)))
+    assert errors[0] > 0.1 and errors[-2] / errors[-1] > 3.5, errors
+
+
 def saddle(n=3, layers=2):
     """A block under z = 1 + (x^2 - y^2) / 2 of two regions, one above the other, periodic along x: edges of 0.7 radii."""
     axes = [np.linspace(-1, 1, n + 1), np.linspace(-1, 1, n + 1), np.linspace(0, 1, layers + 1)]

@@ -5,6 +5,7 @@ import math
 import pathlib
 import sys
 
+import meshio
 import numpy as np
 
 from surface_models import icosphere, write_stl
@@ -201,6 +202,20 @@ def test_shape_that_walls_cost_is_told():
         n_lost = 64 if level == 4 else 0
         assert told.json["walls"]["cells_that_lost_shape"] == n_lost
         assert ("64 cells at walls have a mean ratio under 0.165" in told.err) == (n_lost > 0), told.err
+
+
+def test_cells_of_second_order_have_the_edges_of_the_map():
+    mesh = other_bodies.make(call, other_bodies.BODIES["hole-of-12"](None), pathlib.Path("."))
+    for level in (1, 2):
+        run("pamr-mark", mesh, "-o", "marked.hdf", "--all", "--force", "--quiet", serial=True)
+        mesh = f"level{level}.hdf"
+        run("pamr-refine", "marked.hdf", "-o", mesh, "--quiet", serial=True)
+
+    told = run("pamr-convert", "level1.hdf", "curved.vtu", "--order", 2, "--json", "-")
+
+    nodes = [curved_walls.points_of_file("level2.hdf"), meshio.read("curved.vtu").points]
+    assert np.array_equal(*(p[np.lexsort(p.T)] for p in nodes)), "the nodes in the middles of edges are those of the next level"
+    assert told.json["straightened_edges"] == 0 and told.json["curved_edges"] > 2 * 120, "inside as well as in the two walls"
 
 
 def test_pamr_mesh_splits_it_by_itself():

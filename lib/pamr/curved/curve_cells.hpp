@@ -30,7 +30,7 @@ struct CurvedCells {
 /// - Nodes of edges in the boundary lie on the surface of their patch, on the common curve of two, on sharp edges
 ///   inside a surface: exactly where a refinement would put them (`refine::project`). Patches that lie in a plane stay
 ///   flat, described or not. The corners of cells stay where they are.
-/// - Those of all other edges lie in the middle.
+/// - Those of all other edges lie in the middle; if the mesh has a map of level 0, where that puts them.
 /// - Every cell is proved positive: its Jacobian determinant is nowhere below `Options::min_jacobian` of that of the
 ///   straight cell. Edges of cells of which that is not so are straightened step by step (`straighten`); cells without
 ///   a curved edge are proved by exact arithmetic where rounding hides their sign.
