@@ -10,10 +10,13 @@
 #include <cerrno>
 #include <climits>
 #include <csignal>
+#include <cstdio>
 #include <cstdlib>
 #include <ctime>
+#include <string_view>
 
 #include "cli/step_clock.hpp"
+#include "pamr/io/complete_outputs.hpp"
 #include "pamr/io/remove_on_interrupt.hpp"
 
 namespace pamr::cli {
@@ -46,31 +49,69 @@ void wait_for_others() {
 /// A second signal, which mpirun sends to one that waits for the others, may reach another thread: it changes nothing.
 std::atomic_flag is_ending = ATOMIC_FLAG_INIT;
 
+/// One write of the text, of what is complete, and of the end of the line.
+bool write_line(std::string_view text) {
+  std::array<char, 1400> line{};
+  std::size_t n = 0;
+  for (const auto part : {text, io::complete_outputs(), std::string_view("\n")})
+    for (const char c : part)
+      if (n < line.size()) line[n++] = c;
+  return ::write(STDERR_FILENO, line.data(), n) >= 0;
+}
+
 extern "C" void remove_files_and_end(int) {
   if (is_ending.test_and_set()) return;
   io::remove_unfinished();
   hide_step();
   constexpr int interrupted = 6;
   const bool is_told = abort_mark[0] != '\0' && ::access(abort_mark.data(), F_OK) == 0;
-  const bool is_heard = is_told || ::write(STDERR_FILENO, interrupt_text.data(), interrupt_length) >= 0;
+  const bool is_heard = is_told || interrupt_length == 0 || write_line({interrupt_text.data(), interrupt_length});
   if (has_others && is_heard) wait_for_others();
   ::_exit(interrupted);
 }
 
-std::array<char, 160> crash_text{};
-std::size_t crash_length = 0;
+/// Fixed storage for the beginning of a line.
+struct Line {
+  std::array<char, 160> text{};
+  std::size_t length = 0;
+
+  void set(const std::string& from) {
+    length = std::min(from.size(), text.size());
+    std::copy_n(from.begin(), length, text.begin());
+  }
+  std::string_view view() const { return {text.data(), length}; }
+};
+
+constexpr std::array signals_of_crash{SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT};
+Line crash_line, end_line;
+std::array<struct sigaction, signals_of_crash.size()> before_crash{};
 int kept_code = 0;
 
+/// What was to happen follows.
+extern "C" void say_what_is_complete(int signal) {
+  for (std::size_t i = 0; i < signals_of_crash.size(); ++i)
+    if (signals_of_crash[i] == signal) ::sigaction(signal, &before_crash[i], nullptr);
+  if (!io::complete_outputs().empty()) (void)write_line(crash_line.view());
+  (void)::raise(signal);
+}
+
 extern "C" void end_with_kept_code(int) {
-  (void)!::write(STDERR_FILENO, crash_text.data(), crash_length);
+  (void)write_line(end_line.view());
   ::_exit(kept_code);
+}
+
+/// The last of the functions that run at the end of a process: another may have ended it with a code of its own.
+void keep_code_at_exit(int code, void*) {
+  if (end_line.length == 0 || code == kept_code) return;
+  std::fflush(nullptr);
+  end_with_kept_code(0);
 }
 
 }  // namespace
 
 void end_well_on_interrupt(const std::string& tool, bool speaks, bool in_company) {
   has_others = in_company;
-  const auto line = tool + ": interrupted: outputs that were not complete are removed\n";
+  const auto line = tool + ": interrupted: outputs that were not complete are removed";
   interrupt_length = speaks ? std::min(line.size(), interrupt_text.size()) : 0;
   std::copy_n(line.begin(), interrupt_length, interrupt_text.begin());
   if (const auto mark = name_of_mark(); mark.size() < abort_mark.size())
@@ -85,14 +126,27 @@ void end_well_on_interrupt(const std::string& tool, bool speaks, bool in_company
 
 void be_silent_on_interrupt() { interrupt_length = 0; }
 
+void tell_of_crash([[maybe_unused]] const std::string& tool) {
+#ifndef __SANITIZE_ADDRESS__  // which tells more
+  crash_line.set(tool + ": error: crashed");
+  struct sigaction action {};
+  action.sa_handler = say_what_is_complete;
+  for (std::size_t i = 0; i < signals_of_crash.size(); ++i) ::sigaction(signals_of_crash[i], &action, &before_crash[i]);
+#endif
+}
+
+void guard_exit_code() {
+#ifndef __SANITIZE_ADDRESS__  // whose code for what it finds is to stay
+  ::on_exit(keep_code_at_exit, nullptr);
+#endif
+}
+
 void keep_outcome(const std::string& tool, int code) {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGUSR1}) std::signal(signal, SIG_IGN);
 #ifndef __SANITIZE_ADDRESS__  // which tells more
-  const auto line = tool + ": warning: MPI or another library crashed while the process ended; outputs are complete\n";
-  crash_length = std::min(line.size(), crash_text.size());
-  std::copy_n(line.begin(), crash_length, crash_text.begin());
   kept_code = code;
-  for (const int signal : {SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT}) std::signal(signal, end_with_kept_code);
+  end_line.set(tool + ": warning: MPI or another library failed while the process ended, when all work was done");
+  for (const int signal : signals_of_crash) std::signal(signal, end_with_kept_code);
 #endif
 }
 

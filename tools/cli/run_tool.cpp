@@ -20,6 +20,7 @@
 #include "pamr/base/error.hpp"
 #include "pamr/base/heap.hpp"
 #include "pamr/base/nearest_word.hpp"
+#include "pamr/io/complete_outputs.hpp"
 #include "pamr/io/remove_on_interrupt.hpp"
 #include "pamr/par/runtime.hpp"
 #include "pamr/par/same_start.hpp"
@@ -131,6 +132,7 @@ Ending run(const par::Runtime& runtime, int argc, char** argv, const ToolInfo& i
 
 int run_tool(int argc, char** argv, const ToolInfo& info, const std::function<void(CommandLine&)>& declare,
              const std::function<ExitCode(Session&)>& work) {
+  guard_exit_code();
   set_up_heap();
   const auto bad_files = check_named_files(argc, argv, info.files_in);  // no process of an MPI job forks
   par::Runtime runtime(argc, argv);
@@ -138,9 +140,12 @@ int run_tool(int argc, char** argv, const ToolInfo& info, const std::function<vo
     be_silent_on_interrupt();  // mpirun ends the ranks that are not the first to leave with an error
     io::remove_unfinished();
   };
-  runtime.on_failure({info.name, clean_up, hide_step, announce_abort});
+  runtime.on_failure(
+      {info.name, [] { return std::string(io::complete_outputs()); }, clean_up, hide_step, announce_abort});
   end_well_on_interrupt(info.name, runtime.rank() == 0, runtime.size() > 1);
-  std::signal(SIGXFSZ, SIG_IGN);  // a file beyond `ulimit -f` is an error of the write, which names it
+  tell_of_crash(info.name);
+  // A file beyond `ulimit -f`, and a reader of standard output that has left, are errors of the write, which names them.
+  for (const int signal : {SIGXFSZ, SIGPIPE}) std::signal(signal, SIG_IGN);
 
   const auto ending = run(runtime, argc, argv, info, declare, work, bad_files);
   constexpr double patience_after_error = 30, for_ever = std::numeric_limits<double>::infinity();

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "pamr/base/error.hpp"
+#include "pamr/io/complete_outputs.hpp"
 #include "pamr/io/unfinished_name.hpp"
 
 namespace pamr::io {
@@ -147,8 +148,10 @@ void PartialFile::commit() {
                 ", found another one in its place");
   if (fsync(descriptor_) != 0) fail("cannot flush it to the disk");
   if (rename(partial_.c_str(), file_.c_str()) != 0) fail("cannot rename it when complete");
-  ::close(std::exchange(descriptor_, -1));
   remove_on_interrupt_.reset();
+  add_complete_output(file_);
+  if (::close(std::exchange(descriptor_, -1)) != 0 && errno != EINTR)
+    fail("it is written, flushed and has its name, but cannot be closed");
   // The new name is safe once the folder is flushed; some file systems cannot and need not.
   const auto folder = file_.has_parent_path() ? file_.parent_path() : std::filesystem::path(".");
   const Descriptor directory(folder, O_RDONLY | O_DIRECTORY);

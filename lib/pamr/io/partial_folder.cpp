@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "pamr/base/error.hpp"
+#include "pamr/io/complete_outputs.hpp"
 #include "pamr/io/rights_of.hpp"
 #include "pamr/io/unfinished_name.hpp"
 
@@ -96,7 +97,10 @@ void PartialFolder::exchange() const {
     errno = reason;
     fail("cannot rename it when complete");
   }
-  if (rename(aside.c_str(), partial_.c_str()) != 0) fail("cannot remove what it replaced");
+  if (rename(aside.c_str(), partial_.c_str()) != 0) {
+    const auto trouble = "it is written and has its name, but what it replaced stays in " + aside.string();
+    fail(trouble.c_str());
+  }
 }
 
 /// Gives the new folder and each file in it the rights of what has its name in the old one.
@@ -123,6 +127,7 @@ void PartialFolder::commit() {
   const bool is_new = rename(partial_.c_str(), folder_.c_str()) == 0;
   if (!is_new && errno != ENOTEMPTY && errno != EEXIST && errno != ENOTDIR) fail("cannot rename it when complete");
   if (!is_new) exchange();
+  add_complete_output(folder_);
   is_made_ = false;
   remove_on_interrupt_.clear();
   std::error_code failed;

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "pamr/base/error.hpp"
+#include "pamr/io/complete_outputs.hpp"
 
 namespace pamr::io {
 
@@ -57,6 +58,7 @@ void SharedOutput::commit() {
       throw Error("file '" + file_.file().string() + "': cannot write it: " + std::strerror(errno));
     if (comm_.is_first()) file_.commit();
   });
+  add_complete_output(file_.file());
 }
 
 }  // namespace pamr::io

@@ -31,9 +31,17 @@ constexpr double grace_period = 3;
 const Runtime* running = nullptr;
 
 /// One write, which lines of other processes do not cut.
-void print_error(const std::string& program, const std::string& text) {
-  std::fputs((program + ": error: " + one_line(text) + "\n").c_str(), stderr);
+void print_line(const std::string& program, const char* what, const std::string& text) {
+  std::fputs((program + ": " + what + ": " + one_line(text) + "\n").c_str(), stderr);
   std::fflush(nullptr);
+}
+void print_error(const std::string& program, const std::string& text) { print_line(program, "error", text); }
+
+/// MPI's code; an error does not end the process.
+int finalize(MPI_Comm& of_end) {
+  for (const auto comm : {of_end, MPI_COMM_WORLD}) MPI_Comm_set_errhandler(comm, MPI_ERRORS_RETURN);
+  const int freed = MPI_Comm_free(&of_end), ended = MPI_Finalize();
+  return freed != MPI_SUCCESS ? freed : ended;
 }
 
 struct Failure {
@@ -110,9 +118,17 @@ Runtime::~Runtime() {
     std::atexit(abort_at_exit);
     return;
   }
-  MPI_Comm_free(&end_);
-  MPI_Finalize();
+  if (const int failed = finalize(end_); failed != MPI_SUCCESS)
+    print_line(
+        program(), "warning",
+        fmt::format("MPI did not end as it should (its error {}), when all work was done{}", failed, said_behind()));
 }
+
+std::string Runtime::program() const {
+  return at_failure_.program.empty() ? program_invocation_short_name : at_failure_.program;
+}
+
+std::string Runtime::said_behind() const { return at_failure_.said_behind ? at_failure_.said_behind() : std::string(); }
 
 std::optional<Runtime::Outcome> Runtime::settle(int code, double seconds) const {
   // The greatest code first, then the lowest rank, in one number.
@@ -131,8 +147,7 @@ int Runtime::end(int code, const std::string& error, double seconds) const {
   const auto outcome = settle(code, seconds);
   if (!error.empty() && (!outcome || outcome->reporter == rank_)) {
     if (add.before_print) add.before_print();
-    print_error(add.program.empty() ? program_invocation_short_name : add.program,
-                error + (outcome ? "" : fmt::format(" (on rank {})", rank_)));
+    print_error(program(), error + (outcome ? "" : fmt::format(" (on rank {})", rank_)) + said_behind());
   }
   if (!outcome) abort(code);
   return outcome->code;

@@ -20,6 +20,7 @@ namespace pamr::par {
 /// <what>`, and exit code 2 for `pamr::Error`, 3 for others: by a handler of std::terminate, to which a program may add
 /// (`on_failure`) and which it may replace. Where an exception leaves the object on some ranks alone (its handler is further out), those ranks say so,
 /// go on to their handlers, and end all ranks with code 2 when their `main` returns; MPI_Finalize would wait for ever.
+/// An error of MPI_Finalize is a warning: it changes nothing that the program has done.
 class Runtime {
  public:
   /// Initializes MPI. Collective over all processes. A program that a rank of another MPI job has started (a solver
@@ -49,10 +50,11 @@ class Runtime {
 
   /// What a program adds to its end with an error, on each rank that has one. None may throw; all may be null.
   struct AtFailure {
-    std::string program;                 ///< in front of the error; empty: the name of the executable
-    std::function<void()> clean_up;      ///< before anything else: nothing is unwound
-    std::function<void()> before_print;  ///< makes room for the error
-    std::function<void()> before_abort;  ///< before this process ends the others
+    std::string program;                       ///< in front of the error; empty: the name of the executable
+    std::function<std::string()> said_behind;  ///< appended to the error: what is complete all the same
+    std::function<void()> clean_up;            ///< before anything else: nothing is unwound
+    std::function<void()> before_print;        ///< makes room for the error
+    std::function<void()> before_abort;        ///< before this process ends the others
   };
   /// Local.
   void on_failure(AtFailure what) { at_failure_ = std::move(what); }
@@ -65,6 +67,9 @@ class Runtime {
   [[noreturn]] void abort(int code) const;
 
  private:
+  std::string program() const;
+  std::string said_behind() const;
+
   MPI_Comm end_ = MPI_COMM_NULL;
   int n_exceptions_;  ///< under way when it was made
   std::terminate_handler terminate_before_ = nullptr;

@@ -185,14 +185,56 @@ class LifeOfATool(unittest.TestCase):
         self.assertEqual(sorted(os.listdir(self.folder)), ["in put.txt", "other"])
 
     def test_nothing_changes_the_outcome_when_the_work_is_done(self):
-        warning = "pamr-probe: warning: MPI or another library crashed while the process ended; outputs are complete\n"
-        ends = [("interrupt-at-end", "")]
+        warning = "pamr-probe: warning: MPI or another library failed while the process ended, when all work was done"
+        ends = [("interrupt-at-end", None), ("error-at-end", "pamr-probe: warning: MPI did not end as it should (its error {}), when all work was done")]
         if "ASAN_OPTIONS" not in os.environ:  # else the sanitizer sees a crash first
-            ends += [("crash-at-end", warning), ("crash-at-exit", warning)]
+            ends += [("crash-at-end", warning), ("crash-at-exit", warning), ("code-at-exit", warning)]
         for ranks in (1, 3):
             for how, said in ends:
-                result = run(ranks, self.input, "-o", self.path(f"out-{how}-{ranks}"), "--how", how)
-                self.assertEqual((result.returncode, result.stderr), (0, ranks * said), (ranks, how))
+                out = self.path(f"out-{how}-{ranks}")
+                result = run(ranks, self.input, "-o", out, "--how", how)
+                said = f"{said}; complete: '{out}'\n" if said else ""
+                found = re.sub(r"its error \d+", "its error {}", result.stderr)
+                self.assertEqual((result.returncode, found), (0, ranks * said), (ranks, how))
+
+    def test_what_fails_behind_an_output_says_that_it_is_complete(self):
+        out = self.path("out")
+        said = f"; complete: '{out}'"
+        for ranks in (1, 3):
+            def run_again(*arguments):
+                return run(ranks, self.input, "-o", out, "--force", *arguments)
+            self.assert_error_once(run_again("--how", "error-behind"), 2, "found none" + said)
+            self.assert_error_once(run_again("--json", "/dev/full"), 2, "/dev/full", said)
+            self.assert_error_once(run_again("--how", "failure-behind"), 3, "slot 12 of 4", said)
+            if "ASAN_OPTIONS" not in os.environ:
+                crashed = run_again("--how", "crash-behind")
+                self.assertNotIn(crashed.returncode, (0, 2, 3, 6))
+                self.assertEqual(crashed.stderr.count("pamr-probe: error: crashed" + said + "\n"), 1, crashed.stderr)
+            with open(out, encoding="ascii") as file:
+                self.assertEqual(file.read(), "all of it\n")
+        self.assertNotIn("complete", run(1, self.input, "-o", self.path("no"), "--how", "agreed-error").stderr)
+
+    def test_an_interrupt_behind_an_output_says_that_it_is_complete(self):
+        out = self.path("out")
+        process = subprocess.Popen([PROBE, "-o", out, "--how", "sleep-behind"], stderr=subprocess.PIPE, text=True)
+        self.wait_until(lambda: os.path.exists(out))
+        process.send_signal(signal.SIGTERM)
+        _, err = process.communicate(timeout=300)
+        self.assertEqual((process.returncode, err),
+                         (6, f"pamr-probe: interrupted: outputs that were not complete are removed; complete: '{out}'\n"))
+
+    def test_a_reader_that_leaves_ends_nothing(self):
+        """Of standard output, which is an error when all is done, and of standard error, where nobody is left to tell."""
+        out = self.path("out")
+        for stream, code in (("stdout", 2), ("stderr", 0)):
+            process = subprocess.Popen([PROBE, self.input, "-o", out, "--force", "--how", "warn"],
+                                       **{"stdout": subprocess.PIPE, "stderr": subprocess.PIPE})
+            getattr(process, stream).close()
+            setattr(process, stream, None)
+            printed, said = process.communicate(timeout=300)
+            self.assertEqual(process.returncode, code, (stream, said))
+            if stream == "stdout":
+                self.assertRegex(said.decode().splitlines()[-1], "^pamr-probe: error: standard output: .*Broken pipe; complete: '.*out'$")
 
     def test_a_replaced_file_keeps_its_rights(self):
         for name, mode in (("secret.json", 0o600), ("shared.json", 0o664), ("fixed.json", 0o444)):

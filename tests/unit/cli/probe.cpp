@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /// A tool that behaves or misbehaves on request, for the test of the life of a tool.
+#include <mpi.h>
 #include <unistd.h>
 
 #include <chrono>
@@ -16,6 +17,7 @@
 #include "pamr/base/contract.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/io/partial_file.hpp"
+#include "pamr/io/shared_output.hpp"
 
 namespace {
 
@@ -39,6 +41,8 @@ void misbehave(const std::string& how, const pamr::par::Comm& comm) {
 
 /// The signal that MPI_Finalize comes to; 0: none.
 int signal_at_end = 0;
+/// The code that it returns, whatever it does.
+int code_at_end = MPI_SUCCESS;
 
 struct sigaction heard_at_once {};
 
@@ -55,6 +59,16 @@ void hear_late() {
   ::sigaction(SIGTERM, &late, &heard_at_once);
 }
 
+/// Between the moment at which the output has its name and the end of the work.
+void misbehave_behind_output(const std::string& how, const pamr::par::Comm& comm) {
+  const bool is_last = comm.rank() == comm.size() - 1;
+  if (how == "error-behind") pamr::par::agree(comm, [] { throw pamr::Error("expected a report, found none"); });
+  if (how == "failure-behind" && is_last) throw std::out_of_range("slot 12 of 4");
+  if (how == "crash-behind" && is_last) (void)std::raise(SIGSEGV);
+  if (how == "sleep-behind") std::this_thread::sleep_for(std::chrono::seconds(600));
+  if (how.ends_with("-behind")) comm.barrier();
+}
+
 ExitCode work(Session& session, const std::string& input, const std::string& output, bool force,
               const std::string& how) {
   if (!input.empty()) session.check_input(input);
@@ -67,7 +81,12 @@ ExitCode work(Session& session, const std::string& input, const std::string& out
     file.share(session.comm());
     std::this_thread::sleep_for(std::chrono::seconds(600));
   }
-  if (!output.empty() && session.comm().is_first()) pamr::cli::write_whole(output, "all of it\n");
+  if (!output.empty()) {
+    pamr::io::SharedOutput file(session.comm(), output);
+    file.append_once("all of it\n");
+    file.commit();
+  }
+  misbehave_behind_output(how, session.comm());
   session.write_report({{"ranks", session.comm().size()}, {"input", input}});
   if (how == "step") {
     session.step("resting 7 cells");
@@ -89,6 +108,8 @@ ExitCode work(Session& session, const std::string& input, const std::string& out
   if (how == "crash-at-end") signal_at_end = SIGSEGV;
   if (how == "interrupt-at-end") signal_at_end = SIGTERM;
   if (how == "crash-at-exit") std::atexit([] { (void)std::raise(SIGSEGV); });
+  if (how == "error-at-end") code_at_end = MPI_ERR_OTHER;
+  if (how == "code-at-exit") std::atexit([] { std::exit(7); });
   if (how == "warn") session.warn("a file named a\nb\x1b");
   session.summary("done on " + std::to_string(session.comm().size()) + " ranks");
   return how == "gate" ? ExitCode::failed : ExitCode::done;
@@ -101,7 +122,7 @@ extern "C" int MPI_Finalize() {
   if (signal_at_end == SIGTERM) (void)std::raise(signal_at_end);
   const int code = PMPI_Finalize();
   if (signal_at_end == SIGSEGV) (void)std::raise(signal_at_end);
-  return code;
+  return code_at_end != MPI_SUCCESS ? code_at_end : code;
 }
 
 int main(int argc, char** argv) {

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "pamr/base/error.hpp"
+#include "pamr/io/complete_outputs.hpp"
 #include "pamr/io/partial_folder.hpp"
 #include "pamr/io/rows_in_order.hpp"
 #include "pamr/io/shared_output.hpp"
@@ -296,6 +297,7 @@ void write_foam(const par::Comm& comm, const fs::path& case_folder, const mesh::
   par::agree(comm, [&] {
     if (comm.is_first()) folder.commit();
   });
+  add_complete_output(foam_folder(case_folder));
 }
 
 }  // namespace pamr::io

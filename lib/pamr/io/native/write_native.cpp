@@ -10,6 +10,7 @@
 #include <limits>
 
 #include "pamr/base/error.hpp"
+#include "pamr/io/complete_outputs.hpp"
 #include "pamr/io/native/checksum.hpp"
 #include "pamr/io/native/hdf5.hpp"
 #include "pamr/io/native/layout.hpp"
@@ -393,6 +394,7 @@ void write_native(const par::Comm& comm, const std::filesystem::path& file, cons
     par::agree(comm, [&] {
       if (comm.is_first()) partial.commit();
     });
+    add_complete_output(file);
   } catch (const Error&) {
     // Thrown by `agree`, thus on every rank.
     partial.divert();
