@@ -245,6 +245,36 @@ def written(array, place, value):
     np.frombuffer(memory, array.dtype).reshape(array.shape)[place] = value
 
 
+def cube_with_a_sheet():
+    """Two unit cubes of six cells on top of each other, with a patch inside between them, on all ranks."""
+    corners = np.array([[x, y, z] for z in range(3) for y in range(2) for x in range(2)], float)
+    paths = [(0, 1, 3, 7), (0, 1, 5, 7), (0, 2, 3, 7), (0, 2, 6, 7), (0, 4, 5, 7), (0, 4, 6, 7)]  # Kuhn's, from corner to corner
+    cells = np.array([[4 * k + i for i in path] for k in range(2) for path in paths])
+    sheet = np.array([(4, 5, 7), (4, 6, 7)])
+    return pamr.Mesh.from_arrays(COMM, on_last(corners), on_last(cells), (on_last(sheet), on_last(np.array([1, 1]))), {1: "sheet"})
+
+
+def members_of_damage():
+    """Array, place, value, and the invariant that is said to be broken: of each array all that numbers and places can be."""
+    far = 2**31 - 1
+
+    def other_cell(mesh):
+        return (mesh.cell_to_cell[0].max() + 1) % max(len(mesh.cells), 2)
+    return [("cells", (0, 0), lambda mesh: mesh.cells[0, 1], "distinct_corners"), ("cells", (0, 3), far, "ids_in_range"),
+            ("cells", 0, lambda mesh: mesh.cells[0][[1, 0, 2, 3]], ""),  # inverted
+            ("cells", (0, 0), lambda mesh: next(n for n in range(len(mesh.points)) if n not in mesh.cells[0]), ""),
+            ("cell_to_cell", (0, 0), -far - 1, ""), ("cell_to_cell", (0, 0), -far, ""), ("cell_to_cell", (0, 0), far, "ids_in_range"),
+            ("cell_to_cell", (0, 0), other_cell, ""), ("cell_to_cell", (0, 1), other_cell, ""), ("cell_to_cell", (0, 2), other_cell, ""),
+            ("cell_to_cell", (0, 3), 0, ""),  # itself
+            ("cell_to_cell", 0, lambda mesh: mesh.cell_to_cell[0][[1, 0, 3, 2]], ""), ("cell_to_cell", 0, 0, ""),
+            ("cell_to_cell", 0, -1, ""), ("cell_to_cell", 0, -9, ""), ("cell_to_cell", (slice(None), slice(None)), -1, ""),
+            ("cell_numbers", -1, lambda mesh: mesh.cell_numbers[0], ""), ("cell_numbers", 0, 2**62, "ids_in_range"),
+            ("node_numbers", 1, lambda mesh: mesh.node_numbers[0], ""), ("node_numbers", 0, -2**63, "ids_in_range"),
+            ("points", (0, 1), np.inf, "finite_coordinates"), ("points", (0, 2), -1e308, ""),
+            ("points", (slice(None), 2), 0, "orientation_positive"), ("points", 1, lambda mesh: mesh.points[0], ""),
+            ("inner_patch", 0, -1, ""), ("inner_patch", 0, 1 << 48, ""), ("inner_patch", slice(None), 0x7fff7fff7fff7fff, "")]
+
+
 def test_arrays_that_a_client_has_damaged_are_found_on_request():
     for name, place, value, broken in (("cells", (0, 1), 10**6, "ids_in_range"), ("cells", (0, 1), -7, "ids_in_range"),
                                        ("cell_to_cell", (0, 2), 10**6, "ids_in_range"), ("cell_numbers", 0, -1, "ids_in_range"),
@@ -259,7 +289,17 @@ def test_arrays_that_a_client_has_damaged_are_found_on_request():
         for call in (mesh.validate, lambda: pamr.refine(mesh, np.ones(n, int), check=True),
                      lambda: pamr.adapt(mesh, np.ones(n, int), check=True)):
             expect(["mesh: expected a valid mesh, found `", broken], call)
+    for name, place, value, broken in members_of_damage():
+        mesh = cube_with_a_sheet()
+        if COMM.rank == LAST:
+            array = mesh.cell_fields["inner_patch"] if name == "inner_patch" else getattr(mesh, name)
+            written(array, place, value(mesh) if callable(value) else value)
+        for call in (mesh.validate, lambda: pamr.refine(mesh, np.ones(len(mesh.cells), int), check=True)):
+            expect(["mesh: expected a valid mesh, found `", broken], call)
     if COMM.size > 1:
+        mesh = pamr.Mesh.kuhn_cube(COMM, 2)
+        written(mesh.ghost_numbers, 0, mesh.ghost_numbers[0] - 1 if mesh.ghost_numbers[0] else 1)
+        expect("expected a valid mesh", lambda: pamr.refine(mesh, np.ones(len(mesh.cells), int), check=True))
         mesh = pamr.Mesh.kuhn_cube(COMM, 2)
         expect("arguments: expected the same on every rank",
                lambda: pamr.refine(mesh, np.zeros(len(mesh.cells), int), check=COMM.rank == LAST))
