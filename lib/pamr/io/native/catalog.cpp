@@ -129,6 +129,7 @@ std::string pack(const Catalog& catalog) {
   put(out, catalog.arrays);
   put(out, catalog.texts);
   put(out, catalog.numbers);
+  put(out, catalog.others);
   return out;
 }
 
@@ -141,6 +142,7 @@ Catalog unpack(std::string_view bytes) {
   unpacker.get(catalog.arrays);
   unpacker.get(catalog.texts);
   unpacker.get(catalog.numbers);
+  unpacker.get(catalog.others);
   return catalog;
 }
 

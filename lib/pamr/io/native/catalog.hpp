@@ -37,6 +37,7 @@ struct Catalog {
   std::vector<ArrayEntry> arrays;
   std::vector<TextEntry> texts;
   std::vector<NumberEntry> numbers;
+  std::vector<std::string> others;  ///< paths of objects that the format does not know, not all of very many
   bool has_pamr_group = false;
 
   const ArrayEntry* find_array(std::string_view path) const;

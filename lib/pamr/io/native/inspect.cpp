@@ -9,7 +9,10 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <initializer_list>
 #include <limits>
+#include <span>
+#include <string_view>
 
 #include "pamr/base/error.hpp"
 #include "pamr/io/native/hdf5.hpp"
@@ -43,7 +46,10 @@ class Inspector {
 
   bool has_link(const std::string& path) const;
   bool has_group(const std::string& path) const;
+  bool is_empty(const std::string& path) const;
   std::vector<std::string> names_in(const std::string& group) const;
+  void others_in(const std::string& group, std::span<const std::string_view> known);
+  void others();
 
   /// `max_values`: how many integers it may be at most, to be read at once; 0: any numbers, not read here.
   void array(const std::string& path, hsize_t max_values);
@@ -98,7 +104,54 @@ Catalog Inspector::run() {
   }
   if (has_group("/VTKHDF/Steps")) number_attribute("/VTKHDF/Steps", "NSteps");
   if (has_group("/PAMR")) pamr();
+  others();
   return std::move(catalog_);
+}
+
+/// Objects beside those of the format, in its own groups. Attributes are not looked at.
+void Inspector::others() {
+  using Names = std::initializer_list<std::string_view>;
+  const auto look = [&](const std::string& group, Names known) {
+    if (group == "/" || has_group(group)) others_in(group, std::span(known.begin(), known.size()));
+  };
+  look("/", {"VTKHDF", "PAMR"});
+  look("/VTKHDF", {"NumberOfPoints", "NumberOfCells", "NumberOfConnectivityIds", "Points", "Connectivity", "Offsets",
+                   "Types", "PointData", "CellData", "Steps"});
+  if (!catalog_.has_pamr_group) return;
+  look("/PAMR", {"cell_to_cell", "boundary", "lineage", "patches", "regions", "surfaces", "surface_data", "level0",
+                 "provenance", "checksums"});
+  look("/PAMR/patches", {"names", "kinds", "surfaces", "numbers", "conditions", "groups"});
+  look("/PAMR/regions", {"numbers", "names", "groups"});
+  look(path::boundary, {"triangles", "patch"});
+  look(path::checksums, {});
+  if (has_group("/PAMR/surface_data"))
+    for (const auto& name : names_in("/PAMR/surface_data")) look("/PAMR/surface_data/" + name, {"points", "triangles"});
+  if (!has_group(path::level0)) return;
+  std::vector<std::string_view> columns;
+  for (const auto& column : level0_columns) columns.emplace_back(column.name);
+  others_in(path::level0, columns);
+}
+
+void Inspector::others_in(const std::string& group, std::span<const std::string_view> known) {
+  constexpr std::size_t most = 1000;
+  constexpr std::array<std::string_view, 5> of_vtk{"FieldData", "FaceConnectivity", "FaceOffsets", "PolyhedronToFaces",
+                                                   "PolyhedronOffsets"};  // which it makes for nothing, too
+  std::vector<std::string> names;
+  const auto add = [](hid_t, const char* name, const H5L_info_t*, void* data) -> herr_t {
+    auto& list = *static_cast<std::vector<std::string>*>(data);
+    list.emplace_back(name);
+    return list.size() > most ? 1 : 0;
+  };
+  hsize_t start = 0;
+  hdf5::require(
+      H5Literate_by_name(h5_.id(), group.c_str(), H5_INDEX_NAME, H5_ITER_INC, &start, add, &names, H5P_DEFAULT) >= 0,
+      at(group, "cannot list it"));
+  for (const auto& name : names) {
+    const auto path = (group == "/" ? "" : group) + "/" + name;
+    const auto is_one_of = [&](const auto& all) { return std::find(all.begin(), all.end(), name) != all.end(); };
+    if (is_one_of(known) || (group == "/VTKHDF" && is_one_of(of_vtk) && is_empty(path))) continue;
+    if (catalog_.others.size() < most) catalog_.others.push_back(path);
+  }
 }
 
 void Inspector::pamr() {
@@ -153,6 +206,19 @@ bool Inspector::has_group(const std::string& path) const {
   const auto object = hdf5::take(H5Oopen(h5_.id(), path.c_str(), H5P_DEFAULT), H5Oclose, at(path, "cannot open it"));
   if (H5Iget_type(object.id()) != H5I_GROUP) fail(path, "expected a group, found a dataset or type");
   return true;
+}
+
+/// Whether a group, or a dataset, has nothing in it.
+bool Inspector::is_empty(const std::string& path) const {
+  if (!has_link(path)) return true;
+  const auto object = hdf5::take(H5Oopen(h5_.id(), path.c_str(), H5P_DEFAULT), H5Oclose, at(path, "cannot open it"));
+  if (H5Iget_type(object.id()) == H5I_GROUP) {
+    H5G_info_t info;
+    return H5Gget_info(object.id(), &info) >= 0 && info.nlinks == 0;
+  }
+  if (H5Iget_type(object.id()) != H5I_DATASET) return false;
+  const Handle space(H5Dget_space(object.id()), H5Sclose);
+  return H5Sget_simple_extent_npoints(space.id()) <= 0;
 }
 
 std::vector<std::string> Inspector::names_in(const std::string& group) const {

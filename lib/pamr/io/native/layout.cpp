@@ -11,6 +11,7 @@
 #include <string_view>
 #include <system_error>
 
+#include "pamr/base/counted.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/io/native/checksum.hpp"
 #include "pamr/io/native/hdf5.hpp"
@@ -70,12 +71,30 @@ class Checker {
       layout_.info.patches = {{"boundary", ""}};
     inner_patches();
     level0();
+    others();
+    if (const auto n = steps(); n > 1 && !layout_.fields.empty())
+      remark(fmt::format("the fields are those of the last of {} time steps, the others are left out", n));
     return std::move(layout_);
   }
 
  private:
   [[noreturn]] void fail(const std::string& path, const std::string& expected, const std::string& found) const {
     throw Error("file '" + file_.string() + "', " + path + ": expected " + expected + ", found " + found);
+  }
+
+  void remark(const std::string& text) {
+    layout_.remarks.push_back(fmt::format("file '{}': {}", file_.string(), text));
+  }
+
+  /// Objects of other programs, which no mesh keeps.
+  void others() {
+    const auto& all = catalog_->others;
+    if (all.empty()) return;
+    std::string names;
+    for (std::size_t i = 0; i < std::min<std::size_t>(all.size(), 10); ++i)
+      names += (i == 0 ? "" : ", ") + shown_text(all[i]);
+    remark(fmt::format("{} left out that the format does not know: {}{}",
+                       counted(std::ssize(all), "object is", "objects are"), names, all.size() > 10 ? ", ..." : ""));
   }
 
   void header() const {
@@ -143,7 +162,11 @@ class Checker {
           fail(entry.path, fmt::format("1 to {} components", max_components), fmt::format("{}", entry.shape[1]));
         result.n_components = static_cast<int>(entry.shape[1]);
       }
-      if (entry.path == path::level && result.is_flat && entry.type == mesh::StorageType::uint8) return;
+      if (entry.path == path::level && result.is_flat && entry.type == mesh::StorageType::uint8) {
+        if (!catalog_->has_pamr_group)
+          remark("the field 'level' is left out: one of that name and type says how often cells were refined");
+        return;
+      }
       result.unit = one_text(entry.path + "@unit", "");
       layout_.fields.push_back(std::move(result));
     }
@@ -332,8 +355,8 @@ class Checker {
       const auto missing = has_table ? fmt::format("the fields '{}' of nodes and '{}' of cells", mesh::level0_key_field,
                                                    mesh::level0_cell_field)
                                      : path::level0;
-      layout_.remark = fmt::format("file '{}': a part of the map of level 0 is left out, because {} {} missing",
-                                   file_.string(), missing, has_table ? "are" : "is");
+      remark(fmt::format("a part of the map of level 0 is left out, because {} {} missing", missing,
+                         has_table ? "are" : "is"));
       std::erase_if(fields, is_field);
       return;
     }

@@ -91,7 +91,7 @@ struct Layout {
   std::vector<FieldEntry> fields;
   std::vector<TriangulationEntry> triangulations;
   Level0Entry level0;
-  std::string remark;  ///< what is odd and does no harm; empty: nothing
+  std::vector<std::string> remarks;  ///< what is odd and does no harm, or is left out
   std::string surfaces_toml;
   std::vector<std::string> surface_of_patch;  ///< names, in the order of `info.patches`; empty: none
 };

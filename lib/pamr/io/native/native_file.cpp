@@ -116,7 +116,8 @@ mesh::BlockMesh NativeFile::read(std::optional<GlobalId> first_cell, std::string
   const auto cells =
       whole_families(reader, layout, first_cell.value_or(block_of_rank(*comm_, info().n_global_cells).begin));
   require_space(*comm_, file_, info());
-  if (!layout.remark.empty() && open_->remark) open_->remark(layout.remark);
+  if (open_->remark)
+    for (const auto& text : layout.remarks) open_->remark(text);
   mesh::BlockMesh block;
   block.info = layout.info;
   block.first_cell = layout.info.first_id + cells.begin;
