@@ -64,6 +64,7 @@ mesh::DistMesh read_mesh(cli::Session& session, const ReadRequest& request, nloh
   report["turned_cells"] = read.n_turned;
   report["dropped_nodes"] = read.n_dropped_nodes;
   for (const auto& remark : io::remarks_of(read)) session.warn(remark);
+  for (const auto& note : read.notes) session.note(note);
   read.mesh.info.provenance = fmt::format("pamr-convert from {}", format.name);
   return std::move(read.mesh);
 }

@@ -25,6 +25,12 @@ class BoundaryFaces(NamedTuple):
     nodes: np.ndarray    #: n x 3, rows of ``Mesh.points``, counter-clockwise from outside
 
 
+def _by_number(parts: Any) -> list[dict[int, str]]:
+    """Groups of each part by their numbers; those without get the same one below 0 in all parts."""
+    free: dict[str, int] = {}
+    return [{number if number >= 0 else free.setdefault(name, -1 - len(free)): name for number, name in groups} for groups in parts]
+
+
 class InnerFaces(NamedTuple):
     """The faces inside the domain that have a patch, from each cell of this rank that has one: a face between two of its cells is
     there twice, n rows in all."""
@@ -315,13 +321,15 @@ class Mesh:
 
     @property
     def patch_groups(self) -> dict[str, dict[int, str]]:
-        """The user's groups, {number: name}, of each patch whose faces are in several; the patch is the only group of the others."""
-        return {name: dict(groups) for name, groups in zip(self.patches, self._core.patch_groups) if groups}
+        """The user's groups, {number: name}, of each patch whose faces are in several; the patch is the only group of the others.
+        Groups that have no number (of OpenFOAM) are -1, -2, ..."""
+        return {name: groups for name, groups in zip(self.patches, _by_number(self._core.patch_groups)) if groups}
 
     @property
     def region_groups(self) -> dict[int, dict[int, str]]:
         """The same of regions, by their values in the cell field "region"."""
-        return {number: dict(groups) for number, groups in self._core.region_groups if groups}
+        numbers = [number for number, _ in self._core.region_groups]
+        return {number: groups for number, groups in zip(numbers, _by_number(groups for _, groups in self._core.region_groups)) if groups}
 
     @property
     def regions(self) -> dict[int, str]:

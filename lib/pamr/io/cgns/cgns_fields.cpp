@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "pamr/base/index.hpp"
+#include "pamr/io/text.hpp"
 #include "pamr/mesh/field.hpp"
 
 namespace pamr::io::cgns {
@@ -40,14 +41,22 @@ void read_solutions(const Tree& tree, const std::string& zone, std::int64_t n_no
   for (const auto& solution : tree.children(zone, "FlowSolution_t")) {
     const auto location = tree.text(tree.child(solution.path, "GridLocation_t", true));
     const bool is_of_cells = location == "CellCenter";
-    if (!is_of_cells && !location.empty() && location != "Vertex") continue;
+    auto arrays = tree.children(solution.path, "DataArray_t");
+    if (!is_of_cells && !location.empty() && location != "Vertex") {
+      mesh.left_out["arrays of solutions at " + shown_text(location)] += std::ssize(arrays);
+      continue;
+    }
     auto& fields = is_of_cells ? mesh.cell_fields : mesh.node_fields;
     const auto n = is_of_cells ? std::ssize(mesh.cell) : n_nodes;
-    auto arrays = tree.children(solution.path, "DataArray_t");
-    std::erase_if(arrays, [&](const Node& array) { return !tree.has_data(array) || tree.n_values(array) != n; });
+    if (const auto n_others = std::erase_if(
+            arrays, [&](const Node& array) { return !tree.has_data(array) || tree.n_values(array) != n; });
+        n_others > 0)
+      mesh.left_out["arrays of solutions of other sizes"] += static_cast<std::int64_t>(n_others);
     const auto add = [&](mesh::Field field) {
       if (std::none_of(fields.begin(), fields.end(), [&](const auto& other) { return other.name == field.name; }))
         fields.push_back(std::move(field));
+      else
+        ++mesh.left_out["arrays of solutions whose name another has"];
     };
     for (const auto& array : arrays) {
       const auto stem = array.name.substr(0, array.name.size() - 1);

@@ -10,7 +10,7 @@
 namespace pamr::io::cgns {
 
 /// Adds the solutions at vertices and cell centers of a zone as fields: of several with one name the first, three
-/// arrays of reals vX, vY and vZ as one field v. Those of other sizes and places are left out. Local.
+/// arrays of reals vX, vY and vZ as one field v. Those of other sizes and places are left out, and counted. Local.
 void read_solutions(const Tree& tree, const std::string& zone, std::int64_t n_nodes, WholeMesh& mesh);
 
 }  // namespace pamr::io::cgns

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include "pamr/base/error.hpp"
 #include "pamr/io/elements/first_line.hpp"
@@ -77,7 +78,8 @@ std::vector<Node> Tree::children(const std::string& path, std::string_view label
     const auto full = (path == "/" ? "" : path) + "/" + name;
     if (!is_clean_text(name, "")) throw Error(path + ": expected names without control characters, found another");
     if (attribute(full, "type") == "LK") throw Error(full + ": expected a node of this file, found a link to another");
-    if (attribute(full, "label") == label) nodes.push_back({full, name, std::string(label)});
+    if (auto own = attribute(full, "label"); label.empty() || own == label)
+      nodes.push_back({full, name, std::move(own)});
   }
   return nodes;
 }

@@ -23,7 +23,7 @@ class Tree {
   /// Throws `Error`, without the name of the file, as all that follow do.
   explicit Tree(const std::filesystem::path& file);
 
-  /// Children with this label, in the order in which they were made.
+  /// Children with this label, or all where it is empty, in the order in which they were made.
   std::vector<Node> children(const std::string& path, std::string_view label) const;
   /// The one child with this label. `none`: returns a node without a path where there is none.
   Node child(const std::string& path, std::string_view label, bool may_be_missing = false) const;

@@ -7,8 +7,10 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <initializer_list>
 #include <map>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -18,6 +20,7 @@
 #include "pamr/io/cgns/cgns_fields.hpp"
 #include "pamr/io/cgns/cgns_nodes.hpp"
 #include "pamr/io/elements/whole_mesh.hpp"
+#include "pamr/io/text.hpp"
 
 namespace pamr::io {
 
@@ -75,6 +78,9 @@ class ZoneReader {
     read_solutions(tree_, zone_, n_nodes_, mesh_);
     set_regions();
     put_cells_in_order();
+    count_others(base_, {"Zone_t", "Family_t"});
+    count_others(zone_,
+                 {"GridCoordinates_t", "Elements_t", "ZoneBC_t", "FlowSolution_t", "ZoneType_t", "FamilyName_t"});
     return std::move(mesh_);
   }
 
@@ -130,9 +136,19 @@ class ZoneReader {
       mesh_.triangle.push_back({nodes[0] - 1, nodes[1] - 1, nodes[2] - 1});
       elements_.triangle_of[number] = mesh_.tag.size();
       mesh_.tag.push_back(elements_.tag_of(section.name, mesh_));
-    } else if (type != element_type::point && type != element_type::line) {
+    } else if (type == element_type::point || type == element_type::line) {
+      ++mesh_.left_out[type == element_type::point ? "points" : "lines"];
+    } else {
       ++mesh_.refused[type];
     }
+  }
+
+  /// Children that nothing is read of, by their labels: units, reference states, texts, ... Numbers that only order them
+  /// are nothing.
+  void count_others(const std::string& path, std::initializer_list<std::string_view> known) {
+    for (const auto& node : tree_.children(path, ""))
+      if (node.label != "Ordinal_t" && std::find(known.begin(), known.end(), node.label) == known.end())
+        ++mesh_.left_out[shown_text(node.label)];
   }
 
   std::vector<std::int64_t> integers_named(const Node& parent, const char* label, std::string_view name) const {

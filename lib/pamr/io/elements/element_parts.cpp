@@ -102,6 +102,12 @@ std::string name_of_type(int type) {
   }
 }
 
+std::string text_of_left_out(const std::map<std::string, std::int64_t>& counts) {
+  std::string names;
+  for (const auto& [name, n] : counts) names += fmt::format("{}{} ({})", names.empty() ? "" : ", ", name, n);
+  return "left out was what a mesh has no place for: " + names;
+}
+
 void keep_element(ElementParts& parts, int type, const std::array<std::int64_t, 4>& nodes, std::int64_t group) {
   if (type == 4)
     parts.tetrahedron.push_back({nodes, group});

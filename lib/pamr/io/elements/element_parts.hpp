@@ -82,6 +82,9 @@ int n_nodes_of_type(int type);
 /// The type in words.
 std::string name_of_type(int type);
 
+/// The remark on what is left out, by name with a count each (`ElementParts::left_out`).
+std::string text_of_left_out(const std::map<std::string, std::int64_t>& counts);
+
 /// Keeps an element that is a triangle or a tetrahedron of first order, counts one that cannot be dealt with, and
 /// forgets points and lines.
 void keep_element(ElementParts& parts, int type, const std::array<std::int64_t, 4>& nodes, std::int64_t group);

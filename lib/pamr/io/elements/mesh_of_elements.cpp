@@ -233,12 +233,6 @@ std::vector<UnusedGroup> unused_groups(const par::Comm& comm, const ElementParts
   return unused;
 }
 
-std::string text_of_left_out(const std::map<std::string, std::int64_t>& sections) {
-  std::string names;
-  for (const auto& [name, n] : sections) names += fmt::format("{}{} ({})", names.empty() ? "" : ", ", name, n);
-  return "left out was what a mesh has no place for: " + names;
-}
-
 /// The region of each cell of this rank: its group, 0 without one. Where no cell has a group, several volumes of the
 /// geometry are regions by their numbers. Collective.
 std::vector<std::int64_t> regions_of(const par::Comm& comm, const ElementParts& parts) {

@@ -53,6 +53,7 @@ struct ElementMesh {
   std::vector<UnusedGroup> unused_groups;  ///< by dimension and number
   std::string why_empty;                   ///< see `ElementParts`
   std::vector<std::string> remarks;        ///< what else was changed or left out
+  std::vector<std::string> notes;          ///< what lies beside the mesh and is no part of it: nothing strict refuses
   std::vector<GlobalId> node_origin;  ///< of each node of this rank its place among those given; with `with_origin`
 };
 

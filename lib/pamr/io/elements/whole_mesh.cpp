@@ -46,6 +46,7 @@ void check(WholeMesh& mesh) {
   std::set<std::string> seen;
   for (const auto& [tag, patch] : mesh.patch_of_tag) {
     require_clean_name(fmt::format("patch {}", tag), patch.name);
+    for (const auto& group : patch.groups) require_clean_name(fmt::format("group of patch {}", tag), group.name);
     if (patch.name.empty()) throw Error(fmt::format("expected a name of patch {}, found an empty one", tag));
     if (!seen.insert(patch.name).second)
       throw Error(fmt::format("expected different names of patches, found '{}' twice", patch.name));
@@ -56,6 +57,7 @@ void check(WholeMesh& mesh) {
 WholeMesh read_named(const std::filesystem::path& file, const std::function<WholeMesh()>& read) {
   try {
     auto mesh = read();
+    if (!mesh.left_out.empty()) mesh.remarks.push_back(text_of_left_out(mesh.left_out));
     check(mesh);
     return mesh;
   } catch (const Error& error) {
@@ -94,20 +96,30 @@ std::vector<mesh::Field> share_outline(const par::Comm& comm, std::vector<mesh::
   return fields;
 }
 
-/// Names by number, each with a second text, of the first rank on all. Collective.
+/// Names by number, each with its kind and groups, of the first rank on all. Collective.
 std::map<std::int64_t, mesh::Patch> share_names(const par::Comm& comm,
                                                 const std::map<std::int64_t, mesh::Patch>& names) {
   std::vector<std::string> lines;
   std::vector<std::int64_t> numbers;
   for (const auto& [number, patch] : names) {
     lines.insert(lines.end(), {patch.name, patch.kind});
-    numbers.insert(numbers.end(), {number, patch.number});
+    numbers.insert(numbers.end(), {number, patch.number, std::ssize(patch.groups)});
+    for (const auto& group : patch.groups) {
+      lines.push_back(group.name);
+      numbers.push_back(group.number);
+    }
   }
   lines = share_lines(comm, lines);
   numbers = comm.broadcast(numbers);
   std::map<std::int64_t, mesh::Patch> shared;
-  for (std::size_t i = 0; i < numbers.size(); i += 2)
-    shared[numbers[i]] = {.name = lines[i], .kind = lines[i + 1], .number = numbers[i + 1]};
+  auto line = lines.begin();
+  for (auto number = numbers.begin(); number != numbers.end();) {
+    auto& patch = shared[*number++];
+    patch.name = *line++;
+    patch.kind = *line++;
+    patch.number = *number++;
+    for (auto n_groups = *number++; n_groups > 0; --n_groups) patch.groups.push_back({*number++, *line++});
+  }
   return shared;
 }
 
@@ -178,7 +190,7 @@ ElementMesh mesh_of_whole(const par::Comm& comm, const std::filesystem::path& fi
   for (const auto& [number, name] : mesh.name_of_region) regions[number] = {name, ""};
   regions = whole::share_names(comm, regions);
   auto overlaps = whole::share_overlaps(comm, mesh.overlaps);
-  auto remarks = whole::share_lines(comm, mesh.remarks);
+  auto remarks = whole::share_lines(comm, mesh.remarks), notes = whole::share_lines(comm, mesh.notes);
   auto parts = whole::to_parts(comm, std::move(mesh));
   for (const auto& [number, patch] : patches) parts.group_name[{2, number}] = patch.name;
   for (const auto& [number, region] : regions) parts.group_name[{3, number}] = region.name;
@@ -186,6 +198,7 @@ ElementMesh mesh_of_whole(const par::Comm& comm, const std::filesystem::path& fi
                                  [&](std::int64_t tag) { return patches.at(tag); });
   result.overlaps.insert(result.overlaps.begin(), overlaps.begin(), overlaps.end());
   result.remarks.insert(result.remarks.end(), remarks.begin(), remarks.end());
+  result.notes = std::move(notes);
   return result;
 }
 

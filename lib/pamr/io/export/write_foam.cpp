@@ -101,6 +101,23 @@ std::vector<std::string> words_of_patches(const mesh::MeshInfo& info, const Rema
   return words("patch", names, remark);
 }
 
+/// The groups of each patch as words, but for one of its own name.
+std::vector<std::vector<std::string>> words_of_groups(const mesh::MeshInfo& info, const Remark& remark) {
+  std::vector<std::string> names;
+  for (const auto& patch : info.patches)
+    for (const auto& group : patch.groups)
+      if (std::find(names.begin(), names.end(), group.name) == names.end()) names.push_back(group.name);
+  const auto written = words("group", names, remark);
+  std::vector<std::vector<std::string>> groups(info.patches.size());
+  for (std::size_t p = 0; p < groups.size(); ++p)
+    for (const auto& group : info.patches[p].groups) {
+      if (group.name == info.patches[p].name) continue;
+      const auto place = std::find(names.begin(), names.end(), group.name) - names.begin();
+      groups[p].push_back(written[static_cast<std::size_t>(place)]);
+    }
+  return groups;
+}
+
 /// Names of the zones of the given regions.
 std::vector<std::string> words_of_regions(const mesh::MeshInfo& info, const std::vector<std::int64_t>& numbers,
                                           const Remark& remark) {
@@ -184,6 +201,7 @@ class Writer {
   void write_boundary() {
     const auto& patches = mesh_.info.patches;
     const auto names = words_of_patches(mesh_.info, {});
+    const auto groups = words_of_groups(mesh_.info, remark_);
     const auto inside = mesh::patches_inside_alone(comm_, mesh_);
     const auto n_inside = std::count(inside.begin(), inside.end(), true);
     std::string text = fmt::format("{}{}\n(\n", header("polyBoundaryMesh", "boundary"), std::ssize(patches) - n_inside);
@@ -192,10 +210,11 @@ class Writer {
       if (inside[p]) continue;
       const auto& kind = patches[p].kind;
       const bool is_type = kind == "wall" || kind == "symmetry" || kind == "symmetryPlane";
-      text += fmt::format(
-          "    {}\n    {{\n        type            {};\n        nFaces          {};\n        startFace       {};\n    "
-          "}}\n",
-          names[p], is_type ? kind : "patch", n_faces_[1 + p], start);
+      text += fmt::format("    {}\n    {{\n        type            {};\n", names[p], is_type ? kind : "patch");
+      std::string list;
+      for (const auto& group : groups[p]) list += (list.empty() ? "" : " ") + group;
+      if (!list.empty()) text += fmt::format("        inGroups        {}({});\n", groups[p].size(), list);
+      text += fmt::format("        nFaces          {};\n        startFace       {};\n    }}\n", n_faces_[1 + p], start);
       start += n_faces_[1 + p];
     }
     SharedOutput out(comm_, folder_ / "boundary");

@@ -12,7 +12,8 @@ namespace pamr::io {
 /// Writes the folder `constant/polyMesh` of an OpenFOAM case, text: points, faces, owner, neighbour, boundary. Points
 /// and cells keep their order; faces between cells come first, by owner (the smaller cell), then by neighbor, as
 /// OpenFOAM wants them, then the boundary, patch by patch. Patches keep their names, but for characters that its words
-/// cannot have, which become `_`; a patch of kind `wall`, `symmetry` or `symmetryPlane` has that type, others `patch`.
+/// cannot have, which become `_`; a patch of kind `wall`, `symmetry` or `symmetryPlane` has that type, others `patch`;
+/// the groups of a patch are in `inGroups`.
 /// Numbers have as many digits as it takes to read the same ones back. The cells of each region (integer cell field
 /// `region`, but 0) become a zone in `cellZones`, named as the region is, or `region_N`. The inner faces of each patch
 /// become a zone in `faceZones`, seen from the cell with the lower number. Fields are left out. The same bytes on any

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cctype>
 #include <charconv>
 #include <system_error>
@@ -148,18 +149,21 @@ std::vector<std::int64_t> FoamFile::labels() {
   return numbers;
 }
 
-void FoamFile::pass_flags() {
+std::int64_t FoamFile::count_flags() {
   const auto here = in_;
-  const auto n = integer("the number of flags");
+  const auto announced = integer("the number of flags");
   if (!binary_ || passes("{")) {
     in_ = here;
-    (void)labels();
-    return;
+    const auto flags = labels();
+    return std::count_if(flags.begin(), flags.end(), [](std::int64_t flag) { return flag != 0; });
   }
-  if (n == 0 && !passes("(")) return;
+  const auto n = in_.checked_count(announced, 1, "flags");
+  if (n == 0 && !passes("(")) return 0;
   if (n > 0) require("(");
-  in_.skip_rows(n, 1, "flags");
+  std::int64_t n_set = 0;
+  for (std::int64_t i = 0; i < n; ++i) n_set += in_.value<char>("a flag") != 0 ? 1 : 0;
   require(")");
+  return n_set;
 }
 
 std::vector<geometry::Vec3> FoamFile::points() {

@@ -46,8 +46,8 @@ class FoamFile {
   }
   /// Numbers in a list, as text or bytes, with their count before them: 3(7 7 8), or 3{7} where all are 7.
   std::vector<std::int64_t> labels();
-  /// Passes a list of 0 and 1, which bytes hold in one each.
-  void pass_flags();
+  /// Reads a list of 0 and 1, which bytes hold in one each; how many are 1.
+  std::int64_t count_flags();
   std::vector<geometry::Vec3> points();
   /// The nodes of each face.
   std::vector<std::vector<std::int64_t>> faces();

@@ -9,8 +9,8 @@
 namespace pamr::io {
 
 /// Reads the mesh of an OpenFOAM case, `constant/polyMesh` in its folder, of tetrahedra, as text or binary, packed by
-/// gzip or not: the patches of `boundary`, with the types wall, symmetry and symmetryPlane as kinds and cyclic
-/// ones as periodic, `cellZones` as the cell field `region` with their names (a cell of two zones
+/// gzip or not: the patches of `boundary`, with the types wall, symmetry and symmetryPlane as kinds, cyclic
+/// ones as periodic and their groups, `cellZones` as the cell field `region` with their names (a cell of two zones
 /// stays in the first one), and `faceZones` inside as patches. With `CellOrder::keep` cells and
 /// points have the numbers of the case, so that fields of OpenFOAM fit.
 ///

@@ -11,6 +11,7 @@
 
 #include "pamr/io/elements/first_line.hpp"
 #include "pamr/io/elements/numbers.hpp"
+#include "pamr/io/text.hpp"
 
 namespace pamr::io::gmf {
 
@@ -165,11 +166,11 @@ void Reader::rows(std::int64_t n, par::BlockRange own, const Row& kind,
   binary_ ? in_.skip_rows(n - own.end, size, what) : in_.skip_lines(n - own.end, what);
 }
 
-void Reader::for_each_section(const std::function<void(const KnownKeyword&, std::int64_t n)>& take) {
-  binary_ ? read_binary(take) : read_text(take);
+void Reader::for_each_section(const Take& take, const std::function<void(const std::string& name)>& leave) {
+  binary_ ? read_binary(take, leave) : read_text(take, leave);
 }
 
-void Reader::read_text(const std::function<void(const KnownKeyword&, std::int64_t n)>& take) {
+void Reader::read_text(const Take& take, const std::function<void(const std::string& name)>& leave) {
   bool is_foreign = false;  // behind a keyword that is not looked at
   for (in_.skip_empty_lines(comment); !in_.at_end(); in_.skip_empty_lines(comment)) {
     const auto name = in_.keyword();
@@ -182,6 +183,7 @@ void Reader::read_text(const std::function<void(const KnownKeyword&, std::int64_
     const auto* found = find(name);
     is_foreign = found == nullptr || (found->refused_type != 0);
     if (found == nullptr) {
+      leave(shown_text(name));
       (void)in_.line();
       continue;
     }
@@ -192,7 +194,7 @@ void Reader::read_text(const std::function<void(const KnownKeyword&, std::int64_
   }
 }
 
-void Reader::read_binary(const std::function<void(const KnownKeyword&, std::int64_t n)>& take) {
+void Reader::read_binary(const Take& take, const std::function<void(const std::string& name)>& leave) {
   while (in_.remaining() > 0) {
     const auto code = value<std::int32_t>("a keyword");
     if (code == end) return;
@@ -203,6 +205,8 @@ void Reader::read_binary(const std::function<void(const KnownKeyword&, std::int6
       const auto n = count("a number of rows");
       if (n < 0) fail("a number of " + std::string(found->name), fmt::format("{}", n));
       take(*found, n);
+    } else {
+      leave(fmt::format("keyword {}", code));
     }
     if (next == 0) return;
     in_.go_to(static_cast<std::uint64_t>(next), "the place of the next keyword");

@@ -46,9 +46,11 @@ class Reader {
   /// Whether a file is binary, by its first bytes.
   static bool is_binary(TextCursor in);
 
+  using Take = std::function<void(const KnownKeyword&, std::int64_t n)>;
   /// Runs through the sections up to the end: calls `take` for each known keyword, with the number of its rows; it has
-  /// to read all rows, or, in a binary file, any of the first.
-  void for_each_section(const std::function<void(const KnownKeyword&, std::int64_t n)>& take);
+  /// to read all rows, or, in a binary file, any of the first. Those of other keywords are passed: `leave` has their
+  /// names, "keyword 72" in a binary file.
+  void for_each_section(const Take& take, const std::function<void(const std::string& name)>& leave);
 
   /// The name of the rows of a section, and the numbers that each has in a binary file.
   struct Row {
@@ -73,8 +75,8 @@ class Reader {
   std::int64_t number_of(std::string_view keyword, std::string_view what);
   std::int64_t position(std::string_view what);
   std::int64_t count(std::string_view what);
-  void read_text(const std::function<void(const KnownKeyword&, std::int64_t n)>& take);
-  void read_binary(const std::function<void(const KnownKeyword&, std::int64_t n)>& take);
+  void read_text(const Take& take, const std::function<void(const std::string& name)>& leave);
+  void read_binary(const Take& take, const std::function<void(const std::string& name)>& leave);
 
   TextCursor& in_;
   bool binary_, swap_ = false;

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <set>
 #include <utility>
 
@@ -15,15 +16,35 @@ namespace pamr::io {
 
 namespace {
 
+/// Counts a section of a keyword that is not known.
+void leave(ElementParts& parts, const std::string& name) {
+  constexpr std::size_t most = 20;  // names: a damaged text may have any
+  ++parts.left_out[parts.left_out.size() < most || parts.left_out.contains(name) ? name : "other keywords"];
+}
+
+/// What this rank's vertices are numbered with.
+struct VertexReferences {
+  std::int64_t least = std::numeric_limits<std::int64_t>::max(), greatest = std::numeric_limits<std::int64_t>::min();
+  std::int64_t n_others = 0;  ///< than 0
+
+  void add(std::int64_t reference) {
+    least = std::min(least, reference);
+    greatest = std::max(greatest, reference);
+    n_others += reference != 0 ? 1 : 0;
+  }
+};
+
 /// Reads the rows of vertices, triangles and tetrahedra.
 class MeshSections {
  public:
   MeshSections(gmf::Reader& in, Share share) : in_(in), share_(share) {}
 
   ElementParts read() {
-    in_.for_each_section([this](const gmf::KnownKeyword& keyword, std::int64_t n) { take(keyword, n); });
+    in_.for_each_section([this](const gmf::KnownKeyword& keyword, std::int64_t n) { take(keyword, n); },
+                         [this](const std::string& name) { leave(parts_, name); });
     return std::move(parts_);
   }
+  const VertexReferences& references() const { return references_; }
 
  private:
   void take(const gmf::KnownKeyword& keyword, std::int64_t n) {
@@ -59,7 +80,7 @@ class MeshSections {
     parts_.n_nodes = n;
     in_.rows(n, share_.of(n), {"vertices", 3, 1}, [this](std::int64_t row) {
       const double x = in_.real("x"), y = in_.real("y"), z = in_.real("z");
-      (void)in_.integer("the reference of a vertex");
+      references_.add(in_.integer("the reference of a vertex"));
       parts_.node_tag.push_back(row + 1);
       parts_.position.push_back({x, y, z});
     });
@@ -68,6 +89,7 @@ class MeshSections {
   gmf::Reader& in_;
   Share share_;
   ElementParts parts_;
+  VertexReferences references_;
   std::set<std::int32_t> seen_;
 };
 
@@ -78,14 +100,16 @@ class SolutionSections {
       : in_(in), share_(share), n_nodes_(n_nodes), n_cells_(n_cells) {}
 
   ElementParts read() {
-    in_.for_each_section([this](const gmf::KnownKeyword& keyword, std::int64_t n) {
-      if (keyword.code == gmf::sol_at_vertices)
-        read_fields(n, n_nodes_, "vertices", parts_.node_fields);
-      else if (keyword.code == gmf::sol_at_tetrahedra)
-        read_fields(n, n_cells_, "tetrahedra", parts_.cell_fields);
-      else if (n > 0)
-        in_.fail("fields on vertices or tetrahedra (SolAtVertices, SolAtTetrahedra)", std::string(keyword.name));
-    });
+    in_.for_each_section(
+        [this](const gmf::KnownKeyword& keyword, std::int64_t n) {
+          if (keyword.code == gmf::sol_at_vertices)
+            read_fields(n, n_nodes_, "vertices", parts_.node_fields);
+          else if (keyword.code == gmf::sol_at_tetrahedra)
+            read_fields(n, n_cells_, "tetrahedra", parts_.cell_fields);
+          else if (n > 0)
+            in_.fail("fields on vertices or tetrahedra (SolAtVertices, SolAtTetrahedra)", std::string(keyword.name));
+        },
+        [this](const std::string& name) { leave(parts_, name); });
     if (parts_.node_fields.empty() && parts_.cell_fields.empty())
       in_.fail("SolAtVertices or SolAtTetrahedra", "none of them");
     return std::move(parts_);
@@ -146,13 +170,22 @@ void name_fields(ElementParts& parts, const MeditOptions& options) {
 }  // namespace
 
 ElementMesh read_medit(const par::Comm& comm, const std::filesystem::path& file, const MeditOptions& options) {
-  auto parts = read_gmf(comm, file, [](gmf::Reader& in, Share share) { return MeshSections(in, share).read(); });
+  VertexReferences references;
+  auto parts = read_gmf(comm, file, [&](gmf::Reader& in, Share share) {
+    MeshSections sections(in, share);
+    auto read = sections.read();
+    references = sections.references();
+    return read;
+  });
+  if (const auto n = comm.sum(references.n_others); comm.min(references.least) != comm.max(references.greatest))
+    parts.left_out["references of vertices"] = n;  // one for all of them says nothing
   if (!options.solution.empty()) {
     auto fields = read_gmf(comm, options.solution, [&](gmf::Reader& in, Share share) {
       return SolutionSections(in, share, parts.n_nodes, parts.n_elements).read();
     });
     parts.node_fields = std::move(fields.node_fields);
     parts.cell_fields = std::move(fields.cell_fields);
+    for (const auto& [name, n] : fields.left_out) parts.left_out[name] += n;
     name_fields(parts, options);
   }
   parts.has_signed_regions = true;

@@ -18,7 +18,7 @@ struct MeditOptions : ElementOptions {
 /// Reads a mesh in Medit's format, text (`.mesh`) or binary (`.meshb`, versions 1 to 4, either order of bytes), whose
 /// cells are tetrahedra, and the fields on its vertices and tetrahedra. The format knows references alone: triangles of
 /// reference N become the patch `ref_N`; references of tetrahedra the cell field `region`. What
-/// else it may hold (edges, corners, normals, references of vertices) is passed over.
+/// else it may hold (edges, corners, normals, references of vertices that are not all alike) is left out with a remark.
 ///
 /// Collective; every rank reads its share. In a text each vertex and element has to be a line of its own. Throws the
 /// same `Error` on every rank, with line or byte, for what is no such file, for two dimensions, for fields that do not

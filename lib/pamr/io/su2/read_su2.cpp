@@ -13,6 +13,7 @@
 
 #include "pamr/io/elements/first_line.hpp"
 #include "pamr/io/elements/read_shares.hpp"
+#include "pamr/io/text.hpp"
 
 namespace pamr::io {
 
@@ -106,7 +107,19 @@ class Su2Reader {
       if (n > 1) in_.fail("no periodic links", fmt::format("{}", n));  // one is what SU2 writes where there is none
     } else {
       is_foreign_ = true;
+      // SU2 itself writes the latter where nothing is periodic
+      if (keyword != "IZONE" && !keyword.starts_with("PERIODIC_")) leave(keyword);
     }
+  }
+
+  /// Counts a keyword that is none of a mesh: boxes of free-form deformation, angles of attack, ... A line of a title with
+  /// a sign of equality has no keyword before it.
+  void leave(std::string_view keyword) {
+    const auto is_of_keyword = [](char c) { return (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_'; };
+    if (!std::all_of(keyword.begin(), keyword.end(), is_of_keyword)) return;
+    constexpr std::size_t most = 20;
+    const auto name = shown_text(keyword);
+    ++parts_.left_out[parts_.left_out.size() < most || parts_.left_out.contains(name) ? name : "other keywords"];
   }
 
   std::int64_t read_elements(TextCursor& value, std::int64_t marker) {

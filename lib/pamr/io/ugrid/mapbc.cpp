@@ -3,10 +3,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <fstream>
 #include <iterator>
+#include <set>
 #include <vector>
 
+#include "pamr/base/counted.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/io/elements/text_cursor.hpp"
@@ -77,14 +80,15 @@ std::int64_t condition_of_kind(const std::string& kind, int axis) {
   return 0;
 }
 
-std::map<std::int64_t, mesh::Patch> read_mapbc(const par::Comm& comm, const std::filesystem::path& file) {
+Conditions read_mapbc(const par::Comm& comm, const std::filesystem::path& file) {
   std::string text;
   par::agree(comm, [&] {
     if (comm.is_first()) text = text_of(file);
   });
   text = comm.broadcast(text);
-  std::map<std::int64_t, mesh::Patch> patches;
-  if (text.empty()) return patches;
+  Conditions conditions;
+  if (text.empty()) return conditions;
+  conditions.is_there = true;
   par::agree(comm, [&] {
     TextCursor in(text, file.string());
     in.skip_byte_order_mark();
@@ -95,19 +99,53 @@ std::map<std::int64_t, mesh::Patch> read_mapbc(const par::Comm& comm, const std:
       const auto condition = in.integer_in_line("a boundary condition");
       const auto name = name_in(in.line(), number);
       if (!is_clean_text(name, "")) in.fail("the name of a surface in UTF-8 without control characters", "another");
-      if (!patches
+      if (!conditions.patches
                .emplace(number, mesh::Patch{.name = name, .kind = kind_of_condition(condition), .condition = condition})
                .second)
         in.fail("each surface once", fmt::format("{} again", number));
     }
+    for (in.skip_empty_lines('#'); !in.at_end(); in.skip_empty_lines('#')) {
+      (void)in.line();
+      ++conditions.n_more_lines;
+    }
   });
-  return patches;
+  return conditions;
+}
+
+std::vector<std::string> remarks_of(const Conditions& conditions, const std::filesystem::path& file,
+                                    const mesh::MeshInfo& info) {
+  std::vector<std::string> remarks;
+  if (!conditions.is_there) return remarks;
+  const auto name = shown_text(file.filename().string());
+  std::set<std::int64_t> surfaces;
+  std::vector<std::int64_t> missing, idle;
+  for (const auto& patch : info.patches) {
+    surfaces.insert(patch.number);
+    if (patch.number > 0 && !conditions.patches.contains(patch.number)) missing.push_back(patch.number);
+  }
+  for (const auto& [number, patch] : conditions.patches)
+    if (!surfaces.contains(number)) idle.push_back(number);
+  const auto add_lines = [&](std::int64_t n, const std::string& why) {
+    remarks.push_back(
+        fmt::format("{} of {} {} left out: {}", counted(n, "line", "lines"), name, n == 1 ? "is" : "are", why));
+  };
+  if (!idle.empty())
+    add_lines(std::ssize(idle), fmt::format("the mesh has no such surface, the first is {} '{}'", idle.front(),
+                                            conditions.patches.at(idle.front()).name));
+  if (conditions.n_more_lines > 0)
+    add_lines(conditions.n_more_lines,
+              fmt::format("they are behind the {} that it announces", conditions.patches.size()));
+  if (!missing.empty())
+    remarks.push_back(fmt::format("{} no line in {}, the first is {}: no condition is known there",
+                                  counted(std::ssize(missing), "surface has", "surfaces have"), name, missing.front()));
+  return remarks;
 }
 
 std::string mapbc_text(const mesh::MeshInfo& info, const std::vector<std::int64_t>& number,
-                       const std::vector<int>& axis) {
-  auto text = fmt::format("{}\n", info.patches.size());
+                       const std::vector<int>& axis, const std::vector<std::int64_t>& n_faces) {
+  auto text = fmt::format("{}\n", std::ssize(n_faces) - std::count(n_faces.begin(), n_faces.end(), 0));
   for (std::size_t p = 0; p < info.patches.size(); ++p) {
+    if (n_faces[p] == 0) continue;
     const auto& patch = info.patches[p];
     const bool is_kept = patch.condition != 0 && kind_of_condition(patch.condition) == patch.kind;
     text += fmt::format("{} {} {}\n", number[p], is_kept ? patch.condition : condition_of_kind(patch.kind, axis[p]),

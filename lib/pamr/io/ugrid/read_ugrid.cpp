@@ -33,6 +33,8 @@ class UgridReader {
     if (static_cast<std::int64_t>(in_.remaining()) < layout.bytes - Layout::head)
       in_.fail(fmt::format("a file of {} bytes, as its head says", layout.bytes),
                fmt::format("{}", Layout::head + static_cast<std::int64_t>(in_.remaining())));
+    if (const auto more = static_cast<std::int64_t>(in_.remaining()) - (layout.bytes - Layout::head); more > 0)
+      parts_.left_out["bytes behind the last array"] = more;
     read_nodes();
     const auto own = share_.of(n_.triangles);
     parts_.triangle.resize(static_cast<std::size_t>(own.count()));
@@ -105,7 +107,9 @@ class UgridReader {
 ElementMesh read_ugrid(const par::Comm& comm, const std::filesystem::path& file, const ElementOptions& options) {
   bool big_endian = false;
   par::agree(comm, [&] { big_endian = ugrid::is_big_endian(file); });
-  const auto named = ugrid::read_mapbc(comm, ugrid::mapbc_of(file));
+  const auto mapbc = ugrid::mapbc_of(file);
+  const auto conditions = ugrid::read_mapbc(comm, mapbc);
+  const auto& named = conditions.patches;
   auto parts = read_shares(
       comm, file, [](TextCursor&) { return false; },
       [&](TextCursor& in, Share share) { return ugrid::UgridReader(in, share, big_endian).read(); });
@@ -115,11 +119,12 @@ ElementMesh read_ugrid(const par::Comm& comm, const std::filesystem::path& file,
     patch.number = surface;
     return patch;
   });
+  for (auto& remark : ugrid::remarks_of(conditions, mapbc, read.mesh.info)) read.remarks.push_back(std::move(remark));
   std::set<std::string> seen;
   for (const auto& patch : read.mesh.info.patches)
     if (!seen.insert(patch.name).second)
-      throw Error(fmt::format("file '{}': expected different names of surfaces, found '{}' twice",
-                              ugrid::mapbc_of(file).string(), patch.name));
+      throw Error(
+          fmt::format("file '{}': expected different names of surfaces, found '{}' twice", mapbc.string(), patch.name));
   return read;
 }
 

@@ -57,6 +57,9 @@ void write_ugrid(const par::Comm& comm, const std::filesystem::path& file, const
   const auto boundary = boundary_rows(rows);
   const auto number = patch_numbers(rows.group_name, "surface_", 1, rows.patch_number);
   const auto axes = flat_axes(comm, mesh);
+  std::vector<std::int64_t> n_faces(rows.group_name.size(), 0);
+  for (const auto& face : boundary) ++n_faces[at(face.patch)];
+  comm.sum_in_place(n_faces);
   const auto n_triangles = comm.sum(std::ssize(boundary));
   const auto most = std::max({rows.n_nodes, n_triangles, mesh.info.n_global_cells});
   if (most > std::numeric_limits<std::int32_t>::max())
@@ -86,7 +89,7 @@ void write_ugrid(const par::Comm& comm, const std::filesystem::path& file, const
     for (const auto node : cell) integer(node + 1);
   flush();
   SharedOutput conditions(comm, ugrid::mapbc_of(file));
-  conditions.append_once(ugrid::mapbc_text(mesh.info, number, axes));
+  conditions.append_once(ugrid::mapbc_text(mesh.info, number, axes, n_faces));
   out.commit();
   conditions.commit();
 }

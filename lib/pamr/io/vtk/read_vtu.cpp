@@ -53,6 +53,7 @@ WholeMesh read_whole(const std::filesystem::path& file) {
   for (const auto& array : xml.arrays) {
     const bool is_on_points = array.place == "PointData";
     if (!is_on_points && array.place != "CellData") continue;
+    grid.n_named_components += array.has_component_names ? 1 : 0;
     const auto n = is_on_points ? xml.n_points : xml.n_cells;
     grid.arrays.push_back({is_on_points, array.name, array.type, array.n_components,
                            [&xml, &array, n] { return values_of(xml, array, n * array.n_components); }});

@@ -107,6 +107,13 @@ bool is_extra(const GridArray& array, bool is_ours) {
          (is_ours && array.name == "mean_ratio" && array.type == "Float32");
 }
 
+/// Says that such an array of another program is left out.
+void say_extra(const GridArray& array, bool is_ours, WholeMesh& mesh) {
+  if (!is_ours)
+    mesh.remarks.push_back(fmt::format(
+        "the array '{}' was left out: one of that name and type says how often cells were refined", array.name));
+}
+
 /// Whether tags are of triangles alone; those of other programs say the region of a tetrahedron, too.
 bool is_of_patches(const GridArray& tags) { return tags.name == tag_arrays[0].name || tags.name == tag_arrays[1].name; }
 
@@ -173,6 +180,10 @@ WholeMesh to_whole_mesh(const Grid& grid) {
   for (const auto& name : grid.left_out)
     mesh.remarks.push_back(
         fmt::format("the array '{}' was left out: it is neither on points nor on cells", shown_text(name)));
+  mesh.remarks.insert(mesh.remarks.end(), grid.remarks.begin(), grid.remarks.end());
+  if (grid.n_named_components > 0)
+    mesh.remarks.push_back(fmt::format("the names of components of {} were left out",
+                                       counted(grid.n_named_components, "array", "arrays")));
   const bool is_ours = !grid.patch_of_tag.empty();
   for (const auto& array : grid.arrays) {
     if (&array == tags) continue;
@@ -182,7 +193,9 @@ WholeMesh to_whole_mesh(const Grid& grid) {
     }
     if (array.is_on_points)
       mesh.node_fields.push_back(field_of(array, nullptr));
-    else if (!is_extra(array, is_ours) && !(has_regions && array.name == "gmsh:geometrical"))
+    else if (is_extra(array, is_ours))
+      say_extra(array, is_ours, mesh);
+    else if (!(has_regions && array.name == "gmsh:geometrical"))
       mesh.cell_fields.push_back(field_of(array, &rows.of_cells));
   }
   return mesh;

@@ -32,6 +32,8 @@ struct Grid {
   std::vector<GridArray> arrays;
   std::map<std::int64_t, mesh::Patch> patch_of_tag;  ///< names that the file has: it is ours then
   std::vector<std::string> left_out;                 ///< arrays that have no row for each point or cell
+  std::vector<std::string> remarks;                  ///< what else has no place in a mesh
+  std::int64_t n_named_components = 0;               ///< arrays whose components have names
 };
 
 /// Field data `patch NAME` say the number of a patch, as those of `write_vtu` do.

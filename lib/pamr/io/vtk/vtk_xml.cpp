@@ -83,6 +83,7 @@ void read_arrays(const pugi::xml_node& place, XmlGrid& grid) {
                            .type = value_of(array, "type"),
                            .format = value_of(array, "format", "ascii"),
                            .n_components = std::max<std::int64_t>(1, number_in(array, "NumberOfComponents", 1)),
+                           .has_component_names = !array.attribute("ComponentName0").empty(),
                            .offset = static_cast<std::size_t>(number_in(array, "offset", 0)),
                            .content = array.child_value()});
 }

@@ -19,6 +19,7 @@ struct XmlArray {
   std::string place;  ///< the element around it: Points, Cells, PointData, CellData, ...
   std::string name, type, format;
   std::int64_t n_components = 1;
+  bool has_component_names = false;
   std::size_t offset = 0;    ///< of appended data
   std::string_view content;  ///< what stands inside otherwise
 };
