@@ -17,13 +17,13 @@
 #include <vector>
 
 #include "pamr/base/index.hpp"
-#include "pamr/io/elements/boundary_rows.hpp"
 #include "pamr/io/elements/numbers.hpp"
 #include "pamr/io/export/exported_fields.hpp"
 #include "pamr/io/native/hdf5.hpp"
 #include "pamr/io/rows_in_order.hpp"
 #include "pamr/io/shared_output.hpp"
 #include "pamr/mesh/inner_patches.hpp"
+#include "pamr/mesh/tet.hpp"
 
 namespace pamr::io {
 
@@ -31,10 +31,11 @@ namespace {
 
 constexpr std::size_t name_length = 32;
 
-/// An array that all ranks write: where it is, as soon as the first rank has made it, and this rank's part.
+/// An array that all ranks write: where it is, as soon as the first rank has made it, and this rank's part of each of its
+/// pieces, which follow one another.
 struct LargeArray {
   std::int64_t begin = -1;  ///< byte in the file, on the first rank
-  std::function<std::string()> part;
+  std::vector<std::function<std::string()>> parts;
 };
 
 /// Makes the nodes of the tree on the first rank: a group with attributes, and its data in a dataset.
@@ -168,11 +169,11 @@ class CgnsWriter {
         remark_(remark),
         rows_(rows_in_order(comm, mesh, nullptr, Interfaces::patches)),
         out_(comm, file) {
-    faces_.resize(mesh.info.patches.size());
-    for (const auto& face : boundary_rows(rows_)) faces_[at(face.patch)].push_back(face.node);
+    is_inside_ = mesh::patches_inside_alone(comm, mesh);
+    collect_faces();
     std::int64_t n_elements = mesh.info.n_global_cells;
     for (const auto& patch : faces_) n_elements += n_faces_.emplace_back(comm.sum(std::ssize(patch)));
-    is_inside_ = mesh::patches_inside_alone(comm, mesh);
+    for (const auto& patch : inner_faces_) n_elements += n_inner_.emplace_back(comm.sum(std::ssize(patch)));
     is_wide_ = std::max(n_elements, rows_.n_nodes) > std::numeric_limits<std::int32_t>::max();
   }
 
@@ -194,8 +195,11 @@ class CgnsWriter {
       for (auto& tree : tree_) tree.close();
     });
     for (const auto& array : arrays_) {
-      const auto part = array.part();
-      (void)out_.write_at(array.begin, std::as_bytes(std::span<const char>(part.data(), part.size())));
+      auto begin = array.begin;
+      for (const auto& make : array.parts) {
+        const auto part = make();
+        begin = out_.write_at(begin, std::as_bytes(std::span<const char>(part.data(), part.size())));
+      }
     }
     out_.commit();
   }
@@ -203,14 +207,34 @@ class CgnsWriter {
  private:
   static constexpr const char* zone = "/Base/Zone1";  // the name that programs expect where there is one
 
+  /// Faces inside of a patch that lies on the boundary, too, are apart: its condition is for the boundary alone.
+  /// Collective.
+  void collect_faces() {
+    const auto n_patches = mesh_.info.patches.size();
+    faces_.resize(n_patches);
+    inner_faces_.resize(n_patches);
+    const auto n_inside = mesh::count_inner_faces(comm_, mesh_);
+    bool has_mixed = false;
+    for (std::size_t p = 0; p < n_inside.size(); ++p) has_mixed = has_mixed || (n_inside[p] > 0 && !is_inside_[p]);
+    const auto of_boundary = has_mixed ? rows_in_order(comm_, mesh_).group : std::vector<std::array<std::int32_t, 4>>();
+    for (std::size_t c = 0; c < rows_.group.size(); ++c)
+      for (std::size_t slot = 0; slot < 4; ++slot) {
+        if (rows_.group[c][slot] < 0) continue;
+        const auto patch = at(rows_.group[c][slot]);
+        const bool is_apart = has_mixed && of_boundary[c][slot] < 0 && !is_inside_[patch];
+        auto& node = (is_apart ? inner_faces_ : faces_)[patch].emplace_back();
+        for (std::size_t k = 0; k < 3; ++k) node[k] = rows_.cell_to_node[c][at(mesh::tet::face_to_corner[slot][k])];
+      }
+  }
+
   template <class Make>
   void on_first(Make&& make) {
     for (auto& tree : tree_) make(tree);
   }
   const char* integer_type() const { return is_wide_ ? "I8" : "I4"; }
   void large(const std::string& path, const char* label, const char* type, std::int64_t n,
-             std::function<std::string()> part) {
-    LargeArray array{.part = std::move(part)};
+             std::vector<std::function<std::string()>> parts) {
+    LargeArray array{.parts = std::move(parts)};
     on_first([&](CgnsTree& tree) { array.begin = tree.room(path, label, type, n); });
     arrays_.push_back(std::move(array));
   }
@@ -231,23 +255,23 @@ class CgnsWriter {
   void coordinates() {
     for (const int axis : {0, 1, 2})
       large(fmt::format("{}/GridCoordinates/Coordinate{}", zone, "XYZ"[axis]), "DataArray_t", "R8", rows_.n_nodes,
-            [this, axis] {
+            {[this, axis] {
               std::string bytes;
               bytes.reserve(8 * rows_.position.size());
               for (const auto p : rows_.position) append_bytes(bytes, axis == 0 ? p.x : axis == 1 ? p.y : p.z);
               return bytes;
-            });
+            }});
   }
 
   /// A section of elements `first .. first + n`, counted from 1.
   void section(const std::string& name, std::int64_t type, std::int64_t first, std::int64_t n, std::int64_t n_corners,
-               std::function<std::string()> part) {
+               std::vector<std::function<std::string()>> parts) {
     const auto path = fmt::format("{}/{}", zone, name);
     on_first([&](CgnsTree& tree) {
       tree.integers(path, "Elements_t", {type, 0}, {2}, false);
       tree.integers(path + "/ElementRange", "IndexRange_t", {first, first + n - 1}, {2}, is_wide_);
     });
-    large(path + "/ElementConnectivity", "DataArray_t", integer_type(), n_corners * n, std::move(part));
+    large(path + "/ElementConnectivity", "DataArray_t", integer_type(), n_corners * n, std::move(parts));
   }
 
   template <class Rows>
@@ -259,20 +283,22 @@ class CgnsWriter {
   }
 
   void elements() {
-    section("GridElements", 10, 1, mesh_.info.n_global_cells, 4, [this] { return corners(rows_.cell_to_node); });
+    section("GridElements", 10, 1, mesh_.info.n_global_cells, 4, {[this] { return corners(rows_.cell_to_node); }});
     const auto rule =
         rule_of("patch", {"ZoneType", "GridCoordinates", "GridElements", "ZoneBC", "NodeFields", "CellFields"});
     patch_name_ = written_names(rule, rows_.group_name, remark_);
     auto first = mesh_.info.n_global_cells + 1;
     for (std::size_t p = 0; p < faces_.size(); ++p) {
       first_face_.push_back(first);
-      if (n_faces_[p] == 0) continue;
-      section(patch_name_[p], 5, first, n_faces_[p], 3, [this, p] { return corners(faces_[p]); });
-      first += n_faces_[p];
+      const auto n = n_faces_[p] + n_inner_[p];
+      if (n == 0) continue;
+      section(patch_name_[p], 5, first, n, 3,
+              {[this, p] { return corners(faces_[p]); }, [this, p] { return corners(inner_faces_[p]); }});
+      first += n;
     }
   }
 
-  /// Patches inside alone have none: they are the sections of their names.
+  /// Patches inside alone have none: they are the sections of their names, as is the part inside of others.
   void conditions() {
     on_first([&](CgnsTree& tree) {
       const auto all = std::string(zone) + "/ZoneBC";
@@ -309,7 +335,7 @@ class CgnsWriter {
     for (const auto* field : all)
       for (int k = 0; k < field->n_components; ++k)
         large(path + "/" + *next++, "DataArray_t", field->holds_integers() ? "I8" : "R8", n,
-              [in_order, field, k] { return component(in_order(*field), k); });
+              {[in_order, field, k] { return component(in_order(*field), k); }});
   }
 
   static std::string component(const mesh::Field& field, int k) {
@@ -327,9 +353,10 @@ class CgnsWriter {
   const Remark& remark_;
   RowsInOrder rows_;
   SharedOutput out_;
-  std::vector<std::vector<std::array<GlobalId, 3>>> faces_;  ///< of each patch, this rank's
-  std::vector<std::int64_t> n_faces_, first_face_;           ///< all ranks'
-  std::vector<bool> is_inside_;                              ///< of each patch whether it lies inside alone
+  std::vector<std::vector<std::array<GlobalId, 3>>> faces_;        ///< of each patch, this rank's
+  std::vector<std::vector<std::array<GlobalId, 3>>> inner_faces_;  ///< of those on the boundary what lies inside
+  std::vector<std::int64_t> n_faces_, n_inner_, first_face_;       ///< all ranks'
+  std::vector<bool> is_inside_;                                    ///< of each patch whether it lies inside alone
   std::vector<std::string> patch_name_;
   bool is_wide_ = false;
   std::vector<CgnsTree> tree_;  ///< one on the first rank, none elsewhere
