@@ -41,15 +41,17 @@ using convert::Options;
 void write(const cli::Session& session, const Options& options, const mesh::DistMesh& mesh,
            const mesh::SecondOrder* second_order) {
   const auto& comm = session.comm();
+  // first, because its names may be wrong
+  if (!options.solution_out.empty()) io::write_medit_fields(comm, options.solution_out, mesh, options.solution_fields);
   io::write_mesh(comm, options.output, mesh,
                  {.format = options.format,
                   .remark = session.remarks(),
+                  .note = [&](const std::string& text) { session.note(text); },
                   .gmsh = {options.gmsh_version == "2.2" ? io::GmshVersion::v2_2 : io::GmshVersion::v4_1, !options.text,
                            convert::interfaces_of(options)},
                   .second_order = second_order,
                   .patches = options.patches,
                   .keeps_fields = !options.solution_out.empty()});
-  if (!options.solution_out.empty()) io::write_medit_fields(comm, options.solution_out, mesh, options.solution_fields);
 }
 
 /// Options for the reader. Local.

@@ -19,6 +19,7 @@
 #include "pamr/io/export/write_foam.hpp"
 #include "pamr/io/foam/foam_order.hpp"
 #include "pamr/io/formats.hpp"
+#include "pamr/io/losses.hpp"
 #include "pamr/mesh/fingerprint.hpp"
 #include "pamr/mesh/inner_patches.hpp"
 #include "pamr/mesh/tet.hpp"
@@ -144,6 +145,8 @@ std::vector<std::string> write_foam(const PythonMesh& mesh, const std::filesyste
   const auto write = [&](const mesh::DistMesh& written) {
     io::write_foam(*mesh.comm, case_folder, written, [&](const std::string& text) { remarks.push_back(text); });
   };
+  const auto losses = io::texts_of_losses(*mesh.comm, *io::find_format("folder"), mesh.mesh,
+                                          {.remark = [](const std::string&) {}, .keeps_fields = true});
   if (scale == 1) {
     write(mesh.mesh);
   } else {
@@ -151,6 +154,7 @@ std::vector<std::string> write_foam(const PythonMesh& mesh, const std::filesyste
     for (auto& p : scaled.node_position) p = scale * p;
     write(scaled);
   }
+  remarks.insert(remarks.end(), losses.begin(), losses.end());
   return remarks;
 }
 

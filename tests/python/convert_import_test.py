@@ -74,6 +74,7 @@ def test_dialects_of_formats_are_read():
             ("names.msh", HEAD + old_names + NODES + ELEMENTS, wall),
             ("fortran.msh", MSH.replace("2 1 0 0", "2 1.0D+00 0.d0 0.1000-300"), wall),
             ("dimension.mesh", MEDIT.replace("Dimension 3", "Dimension3"), {"ref_1": 2, "ref_2": 2}),
+            ("alike.mesh", MEDIT.replace(" 0\n", " 5\n").replace("0 0 1 5\n", "0 0 1 5\n"), {"ref_1": 2, "ref_2": 2}),
             ("version.mesh", MEDIT.replace("Formatted 2", "Formatted2"), {"ref_1": 2, "ref_2": 2}),
             ("bom.mesh", BOM + MEDIT, {"ref_1": 2, "ref_2": 2}),
             ("fortran.mesh", MEDIT.replace("\n1 0 0 0\n", "\n1.0D0 0.D+00 0.0d-1 0\n"), {"ref_1": 2, "ref_2": 2}),
@@ -123,7 +124,16 @@ def test_what_files_have_beside_a_mesh_is_told():
              ["the set 'both' of 2 attributes was left out", "the set 'again' was left out: attribute 1 is 'near'"]),
             ("field.vtk", VTK.replace("POINTS", field, 1),
              [f"the array '{array}' was left out: it is neither on points nor on cells" for array in ("TIME", "who")]),
-            ("lines.vtk", lines, ["2 points and lines were left out"])]:
+            ("lines.vtk", lines, ["2 points and lines were left out"]),
+            ("references.mesh", MEDIT.replace("4\n0 0 0 0\n1 0 0 0\n", "4\n0 0 0 3\n1 0 0 -4\n"), [beside + "references of vertices (2)"]),
+            ("angle.mesh", MEDIT.replace("End", "AngleOfCornerBound\n10\nMine 1\nb 2\nEnd"),
+             [beside + "AngleOfCornerBound (1), Mine (1), b (1)"]),
+            ("boxes.su2", SU2 + "FFD_NBOX= 1\nFFD_LEVEL= 0\n0 1 2\nFFD_LEVEL= 1\n", [beside + "FFD_LEVEL (2), FFD_NBOX (1)"]),
+            ("table.vtk", VTK + "SCALARS s float 1\nLOOKUP_TABLE hot\n1 2 3 4\nLOOKUP_TABLE hot 2\n0 0 0 1 1 1 1 1\n",
+             ["the table 'hot' of 2 colors was left out (LOOKUP_TABLE)"]),
+            ("names.vtk", VTK + "METADATA\nCOMPONENT_NAMES\nx\ny\nz\n\n", ["the names of components of 1 array were left out"]),
+            ("level.vtk", VTK + "CELL_DATA 5\nSCALARS level unsigned_char 1\nLOOKUP_TABLE default\n1 1 1 1 1\n",
+             ["the array 'level' was left out: one of that name and type says how often cells were refined"])]:
         mesh, told = read(name, text)
         assert mesh.n_cells == 1 and told == words, (name, told)
         assert words[0].split(":")[0] in error_of(lambda: pamr.Mesh.read(COMM, name, strict=True)), name
@@ -139,7 +149,24 @@ def test_what_cases_of_openfoam_have_beside_a_mesh_is_told():
         if COMM.rank == 0:
             text = (case / "boundary").read_text()
             (case / "boundary").write_text(re.sub(r"type +patch;", f"type {name};", text, count=1))
-    for change, name, words in [(add, "pointZones", "polyMesh has: pointZones"), (add, "sets", "polyMesh has: sets"),
+    def enter(case, name):
+        if COMM.rank == 0:
+            text = (case / "boundary").read_text()
+            (case / "boundary").write_text(text.replace("nFaces", f"{name} a; nFaces"))
+
+    def move(case, name):
+        if COMM.rank == 0:
+            shutil.copytree(case, case.parents[1] / "0.5" / "polyMesh")
+
+    def flip(case, name):
+        if COMM.rank == 0:
+            (case / "faceZones").write_text("FoamFile\n{\n}\n2\n(\nsheet\n{\ntype faceZone;\nfaceLabels List<label> 2(0 1);\n"
+                                            "flipMap List<bool> 2(0 1);\n}\nbare\n{\nfaceLabels 0();\n}\n)\n")
+    for change, name, words in [(enter, "physicalType", "no place for: physicalType of patches (6)"),
+                                (move, "moved", "the mesh of constant was read: 1 time has one of its own: 0.5"),
+                                (flip, "flipMap", ["left out was which way the faces of the zone 'sheet' look: 1 of them is turned (flipMap)",
+                                                   "1 named group has no element: 'bare' (triangles)"]),
+                                (add, "pointZones", "polyMesh has: pointZones"), (add, "sets", "polyMesh has: sets"),
                                 (add, "cellLevel", "polyMesh has: cellLevel"), (retype, "empty", "the type 'empty' of the patch 'xmin'"),
                                 (retype, "wedge", "the type 'wedge' of the patch 'xmin'"),
                                 (retype, "mappedWall", "the type 'mappedWall' of the patch 'xmin'")]:
@@ -147,7 +174,161 @@ def test_what_cases_of_openfoam_have_beside_a_mesh_is_told():
         change(pathlib.Path(f"case_{name}/constant/polyMesh"), name)
         COMM.barrier()
         mesh, told = told_by(lambda: pamr.Mesh.read(COMM, f"case_{name}"))
-        assert mesh.n_cells == 6 and len(told) == 1 and words in told[0], (name, told)
+        words = [words] if isinstance(words, str) else words
+        assert mesh.n_cells == 6 and len(told) == len(words) and all(w in t for w, t in zip(words, told)), (name, told)
+
+
+@in_folder
+def test_groups_of_patches_of_openfoam_come_back():
+    pamr.Mesh.kuhn_cube(COMM, 1).write("case")
+    if COMM.rank == 0:
+        boundary = pathlib.Path("case/constant/polyMesh/boundary")
+        text = boundary.read_text()
+        for name, entry in (("xmin", "type wall; inGroups 2(wall sides);"), ("xmax", "type patch; inGroups (sides caps);"),
+                            ("ymin", "type patch; inGroups List<word> 1(caps);"), ("ymax", "type wall; inGroups 1(wall);")):
+            text = re.sub(rf"(\b{name}\n +{{\n +)type +patch;", rf"\g<1>{entry}", text)
+        boundary.write_text(text)
+    COMM.barrier()
+    groups = {"xmin": {-1: "xmin", -2: "sides"}, "xmax": {-3: "xmax", -2: "sides", -4: "caps"}, "ymin": {-5: "ymin", -4: "caps"}}
+    mesh, told = told_by(lambda: pamr.Mesh.read(COMM, "case"))
+    assert told == [] and mesh.patch_groups == groups, (told, mesh.patch_groups)
+    for name in ("fine.hdf", "other", "twice"):  # in native files and in cases
+        pamr.refine(mesh, np.zeros(len(mesh.cells), int)).mesh.write(name)
+        mesh, told = told_by(lambda: pamr.Mesh.read(COMM, name))
+        assert told == [] and mesh.patch_groups == groups, (name, told, mesh.patch_groups)
+    told_by(lambda: mesh.write("groups.msh"))
+    joint = {name: {*of.values()} for name, of in pamr.Mesh.read(COMM, "groups.msh").patch_groups.items()}
+    assert sorted(map(sorted, joint.values())) == [["caps", "sides", "xmax"], ["caps", "ymin"], ["sides", "xmin"]], joint
+    pamr.Mesh.read(COMM, "groups.msh").write("joint")  # patches A+B are in these groups and in none of their own names
+    assert {name: {*of.values()} for name, of in pamr.Mesh.read(COMM, "joint").patch_groups.items()} == joint
+
+
+@in_folder
+def test_what_lies_beside_a_ugrid_file_is_told():
+    mesh = pamr.Mesh.kuhn_cube(COMM, 1)
+    for name, more, lines, words in [
+            ("tail.lb8.ugrid", b"x" * 12, None, ["left out was what a mesh has no place for: bytes behind the last array (12)"]),
+            ("idle.b8.ugrid", b"", "8\n1 4000 a\n2 3000 b\n3 0 c\n4 0 d\n5 0 e\n6 0 f\n9 5000 far\n7 0 g\n",
+             ["2 lines of idle.mapbc are left out: the mesh has no such surface, the first is 7 'g'"]),
+            ("more.lb8.ugrid", b"", "6\n1 4000 a\n2 3000 b\n3 0 c\n4 0 d\n5 0 e\n6 0 f\n9 5000 far\n\n",
+             ["1 line of more.mapbc is left out: they are behind the 6 that it announces"]),
+            ("less.lb8.ugrid", b"", "4\n1 4000 a\n2 3000 b\n3 0 c\n6 0 f\n",
+             ["2 surfaces have no line in less.mapbc, the first is 4: no condition is known there"])]:
+        mesh.write(name)
+        if COMM.rank == 0:
+            with open(name, "ab") as file:
+                file.write(more)
+            if lines:
+                pathlib.Path(name.split(".")[0] + ".mapbc").write_text(lines)
+        COMM.barrier()
+        back, told = told_by(lambda: pamr.Mesh.read(COMM, name))
+        assert back.n_cells == 6 and [line.split("': ", 1)[1] for line in told] == words, told
+        assert words[0] in error_of(lambda: pamr.Mesh.read(COMM, name, strict=True))
+
+
+@in_folder
+def test_what_others_put_into_a_native_file_is_told():
+    def change(name, how):
+        pamr.Mesh.kuhn_cube(COMM, 1).write(name)
+        if COMM.rank == 0:
+            import h5py
+            with h5py.File(name, "r+") as file:
+                how(file)
+        COMM.barrier()
+        return told_by(lambda: pamr.Mesh.read(COMM, name))[1]
+
+    def steps(file):
+        file.create_group("VTKHDF/Steps").attrs["NSteps"] = 3
+        del file["VTKHDF/CellData/level"]
+        file["VTKHDF/CellData/T"] = np.arange(18.0)
+
+    def level(file):
+        del file["PAMR"]
+        file["VTKHDF/CellData/level"][:] = 1
+    for name, how, words in [
+            ("plain.hdf", lambda file: file.create_group("VTKHDF/FieldData"), ""),  # VTK makes that of nothing, too
+            ("group.hdf", lambda file: file.create_group("Mine/deep"), "1 object is left out that the format does not know: /Mine"),
+            ("sets.hdf", lambda file: [file.create_dataset(where, data=[1]) for where in ("VTKHDF/FieldData/t", "PAMR/extra", "PAMR/patches/x")],
+             "3 objects are left out that the format does not know: /VTKHDF/FieldData, /PAMR/extra, /PAMR/patches/x"),
+            ("link.hdf", lambda file: file.__setitem__("gone", __import__("h5py").SoftLink("/none")), "does not know: /gone"),
+            ("steps.hdf", steps, "the fields are those of the last of 3 time steps, the others are left out"),
+            ("level.hdf", level, "the field 'level' is left out: one of that name and type says how often cells were refined")]:
+        told = change(name, how)
+        assert len(told) == bool(words) and words in "".join(told), (name, told)
+
+
+@in_folder
+def test_what_cgns_has_beside_a_mesh_is_told():
+    mesh = pamr.Mesh.kuhn_cube(COMM, 1)
+    mesh.node_fields["T"] = np.zeros(len(mesh.points))
+    mesh.write("more.cgns")
+    if COMM.rank == 0:
+        import h5py
+        with h5py.File("more.cgns", "r+") as file:
+            zone = file["Base/Zone1"]
+            zone.copy("xmin", "bars")
+            zone["bars"].attrs["name"] = np.bytes_("bars")
+            zone["bars/ data"][:] = [3, 0]
+            zone["bars/ElementRange/ data"][:] = [100, 101]
+            for name, label in (("Base/units", "DimensionalUnits_t"), ("Base/Zone1/text", "Descriptor_t"), ("Base/Zone1/order", "Ordinal_t")):
+                node = file.create_group(name)
+                node.attrs["label"] = np.bytes_(label)
+            for name, what in (("faces", "FaceCenter"), ("short", "CellCenter"), ("again", "Vertex")):
+                zone.copy("NodeFields", name)
+                zone[name].attrs["name"] = np.bytes_(name)
+                del zone[name]["GridLocation"][" data"]
+                zone[name]["GridLocation"][" data"] = np.frombuffer(what.encode(), np.int8)
+    COMM.barrier()
+    back, told = told_by(lambda: pamr.Mesh.read(COMM, "more.cgns"))
+    assert back.n_cells == 6 and list(back.node_fields) == ["T"], list(back.node_fields)
+    assert [line.split("': ", 1)[1] for line in told] == [
+        "left out was what a mesh has no place for: Descriptor_t (1), DimensionalUnits_t (1), arrays of solutions at FaceCenter (1), "
+        "arrays of solutions of other sizes (1), arrays of solutions whose name another has (1), lines (2)"], told
+
+
+@in_folder
+def test_a_condition_of_cgns_is_for_the_boundary_alone():
+    points, cells, _, triangles, _ = two_regions()
+    rows = (lambda array: array if COMM.rank == 0 else array[:0])
+    mesh = told_by(lambda: pamr.Mesh.from_arrays(COMM, rows(points), rows(cells), (rows(triangles), rows(np.array([1, 1, 2, 2, 1]))),
+                                                 {1: ("wall", "wall"), 2: "rest"}))[0]
+    mesh.write("both.cgns")
+    if COMM.rank == 0:
+        import h5py
+        with h5py.File("both.cgns") as file:
+            zone = file["Base/Zone1"]
+            first, last = zone["wall/ElementRange/ data"][:]
+            assert last - first + 1 == 3 and list(zone["ZoneBC/wall/PointRange/ data"][:].ravel()) == [first, first + 1]
+            inner = zone["wall/ElementConnectivity/ data"][6:]
+            x = zone["GridCoordinates/CoordinateX/ data"][:][inner - 1]
+            assert sorted(x) == [0, 0, 1], x
+    back = told_by(lambda: pamr.Mesh.read(COMM, "both.cgns"))[0]
+    inner = back.inner_faces()
+    assert faces_of(back)["wall"] == 2 and COMM.allreduce([back.patches[p] for p in inner.patches[inner.first]]) == ["wall"]
+
+
+@in_folder
+def test_names_kinds_groups_and_units_without_a_place_are_told():
+    pamr.Mesh.kuhn_cube(COMM, 1).write("case")
+    if COMM.rank == 0:
+        boundary = pathlib.Path("case/constant/polyMesh/boundary")
+        boundary.write_text(boundary.read_text().replace("type            patch;", "type wall; inGroups (sides);", 1))
+    COMM.barrier()
+    mesh = pamr.Mesh.read(COMM, "case")
+    both = "left out: the kinds of 1 patch ('wall') and the groups of 1 patch: files of "
+    for name, words in [("a.msh", "left out: the kinds of 1 patch ('wall'): files of Gmsh"), ("a.vtu", both + "VTK"), ("a.su2", both + "SU2"),
+                        ("a.cgns", "the groups of 1 patch"),
+                        ("a.lb8.ugrid", "the groups of 1 patch"), ("a.mesh", "1 for 'xmin', 2 for 'xmax', 3 for 'ymin'"), ("again", "")]:
+        _, told = told_by(lambda: mesh.write(name))
+        assert words in " ".join(told) and bool(words) == bool(told), (name, told)
+    rows = (lambda array: array if COMM.rank == 0 else array[:0])
+    points, cells, region, *_ = two_regions()
+    mesh = told_by(lambda: pamr.Mesh.from_arrays(COMM, rows(points), rows(cells), cell_fields={"region": rows(region)}, regions={3: "gas"}))[0]
+    mesh.cell_fields.set("T", np.zeros(len(mesh.cells)), "K")
+    for name, words in [("b.vtu", "left out: the names of 1 region and the units of 1 field: files of VTK"), ("b.meshb", "the names of 1 region"),
+                        ("b.msh", "1 field is left out: 'T' on cells"), ("b.su2", "2 fields are left out")]:
+        _, told = told_by(lambda: mesh.write(name))
+        assert words in " ".join(told), (name, told)
 
 
 @in_folder

@@ -150,11 +150,40 @@ def test_fields_and_regions_without_a_place_are_told():
     for out, words in (("all.msh", temperature), ("all.meshb", temperature), ("foam", temperature), ("all.su2", both),
                        ("all.lb8.ugrid", both), ("all.vtu", ""), ("all.cgns", ""), ("all.stl", "")):
         err = run("pamr-convert", "all.hdf", out).err
-        assert words in err if words else err == "", (out, err)
-    assert run("pamr-convert", "all.hdf", "with.meshb", "--sol-out", "with.sol").err == ""
+        assert words in err if words else "warning" not in err, (out, err)
+    assert "field" not in run("pamr-convert", "all.hdf", "with.meshb", "--sol-out", "with.sol").err
     run("pamr-mark", "all.hdf", "-o", "marked.hdf", "--crossing-sphere", "0,0,0,0.5", "--quiet")
     run("pamr-refine", "marked.hdf", "-o", "fine.hdf", "--quiet")
-    assert temperature in run("pamr-convert", "fine.hdf", "fine.msh").err
+    told = run("pamr-convert", "fine.hdf", "fine.msh").err
+    assert temperature in told and "pamr-convert: note: left out, which a native file (.hdf) keeps: levels and families of" in told, told
+
+
+def test_what_only_a_native_file_keeps_is_noted():
+    note = "pamr-convert: note: left out, which a native file (.hdf) keeps: "
+    pathlib.Path("numbers.msh").write_text(MSH.format(outside=11, inside=12, first=4, second=4).replace(
+        "$Nodes", '$PhysicalNames\n1\n2 11 "wall"\n$EndPhysicalNames\n$Nodes', 1))
+    run("pamr-convert", "numbers.msh", "numbers.hdf", "--quiet", "--unit", "mm")
+    for out, words in (("numbers.su2", "numbers of 1 patch and the unit of lengths (mm)"), ("back.msh", "the unit of lengths (mm)"),
+                       ("again.hdf", None)):
+        err = run("pamr-convert", "numbers.hdf", out).err
+        assert (note + words in err) if words else err == "", (out, err)
+    run("pamr-mesh", "--shape", "sphere-in-box", "--size", "0.5", "-o", "ball.hdf", "--quiet", serial=True)
+    assert note + "surfaces of 1 patch" in run("pamr-convert", "ball.hdf", "ball.vtu").err
+    assert note not in run("pamr-convert", "ball.hdf", "ball.stl").err
+
+
+def test_what_lies_beside_the_mesh_of_a_case_is_noted():
+    kuhn_cube("cube.hdf", 1)
+    run("pamr-convert", "cube.hdf", "case", "--quiet")
+    for folder in ("case/0", "case/10", "case/0.orig", "case/constant/solid"):
+        pathlib.Path(folder).mkdir()
+        (pathlib.Path(folder) / "U").write_text("")
+    shutil.copytree("case/constant/polyMesh", "case/constant/solid/polyMesh")
+    told = run("pamr-convert", "case", "part.hdf", "--strict").err
+    assert "pamr-convert: note: 2 times with fields were left out (pamr.openfoam.read_fields of Python reads them): 0, 10" in told, told
+    assert "pamr-convert: note: 1 region of the case has a mesh of its own, which was left out: solid" in told, told
+    shutil.rmtree("case/constant/polyMesh")
+    refuses("pamr-convert", "case", "none.hdf", says=["regions alone", "solid"], creates="none.hdf")
 
 
 def test_what_has_no_interfaces():

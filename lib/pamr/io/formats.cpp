@@ -11,7 +11,6 @@
 #include <utility>
 
 #include "pamr/assemble/assemble.hpp"
-#include "pamr/base/counted.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/io/cgns/read_cgns.hpp"
 #include "pamr/io/elements/first_line.hpp"
@@ -21,6 +20,7 @@
 #include "pamr/io/export/write_vtu.hpp"
 #include "pamr/io/foam/read_foam.hpp"
 #include "pamr/io/gmsh/read_gmsh.hpp"
+#include "pamr/io/losses.hpp"
 #include "pamr/io/medit/read_medit.hpp"
 #include "pamr/io/medit/write_medit.hpp"
 #include "pamr/io/mfem/read_mfem.hpp"
@@ -32,9 +32,6 @@
 #include "pamr/io/ugrid/write_ugrid.hpp"
 #include "pamr/io/vtk/read_legacy_vtk.hpp"
 #include "pamr/io/vtk/read_vtu.hpp"
-#include "pamr/mesh/inner_patches.hpp"
-#include "pamr/mesh/level0_key.hpp"
-#include "pamr/mesh/undescribed_patches.hpp"
 
 namespace pamr::io {
 
@@ -48,6 +45,9 @@ using par::Comm;
 void write_surface(const Comm& comm, const Path& file, const mesh::DistMesh& mesh, const Write& o) {
   write_boundary(comm, file, mesh, o.patches);
 }
+
+const std::vector<std::string_view> aerodynamic_kinds{"wall",     "symmetry", "symmetryPlane",
+                                                      "farfield", "inflow",   "outflow"};
 
 const std::vector<Format> table{
     {.name = "native",
@@ -80,6 +80,10 @@ const std::vector<Format> table{
      .has_elements = true,
      .has_inner_patches = true,
      .has_regions = true,
+     .has_numbers = true,
+     .has_region_names = true,
+     .has_groups = true,
+     .has_empty_patches = true,
      .has_interfaces = true,
      .has_second_order = true,
      .has_text = true},
@@ -93,6 +97,7 @@ const std::vector<Format> table{
      .has_inner_patches = true,
      .has_fields = true,
      .has_regions = true,
+     .has_empty_patches = true,
      .has_second_order = true},
     {.name = "legacy VTK",
      .endings = {".vtk"},
@@ -112,6 +117,8 @@ const std::vector<Format> table{
      .has_elements = true,
      .has_inner_patches = true,
      .has_regions = true,
+     .has_names = false,
+     .has_numbers = true,
      .has_interfaces = true,
      .has_solutions = true},
     {.name = "MFEM",
@@ -134,6 +141,8 @@ const std::vector<Format> table{
      .write = [](const Comm& comm, const Path& file, const mesh::DistMesh& mesh,
                  const Write&) { write_ugrid(comm, file, mesh); },
      .has_elements = true,
+     .has_numbers = true,
+     .kinds = aerodynamic_kinds,
      .file_beside = mapbc_file},
     {.name = "CGNS",
      .endings = {".cgns"},
@@ -144,7 +153,8 @@ const std::vector<Format> table{
      .has_elements = true,
      .has_inner_patches = true,
      .has_fields = true,
-     .has_regions = true},
+     .has_regions = true,
+     .kinds = aerodynamic_kinds},
     {.name = "surface",
      .endings = {".stl", ".obj", ".ply", ".off"},
      .read = nullptr,
@@ -162,7 +172,11 @@ const std::vector<Format> table{
      .has_elements = true,
      .is_folder = true,
      .has_inner_patches = true,
-     .has_regions = true},
+     .has_regions = true,
+     .has_region_names = true,
+     .has_groups = true,
+     .has_empty_patches = true,
+     .kinds = {"wall", "symmetry", "symmetryPlane"}},
 };
 
 std::string list(const std::vector<std::string_view>& endings, std::string_view before_last) {
@@ -182,28 +196,6 @@ std::string what_was_found(const Path& file) {
   }
   if (!format->instead_of_reading.empty()) return std::string(format->instead_of_reading);
   return fmt::format("{}: {} is only written", ending, format->name);
-}
-
-/// Fields that the format has no place for, in one sentence; empty if there are none. Those that refining and projecting
-/// keep for themselves are not counted.
-std::string text_of_lost_fields(const Format& format, const mesh::DistMesh& mesh, bool keeps_reals) {
-  constexpr std::array<std::string_view, 6> own{mesh::parent_field,      mesh::off_surface_field,
-                                                mesh::off_facets_field,  mesh::level0_key_field,
-                                                mesh::level0_cell_field, mesh::inner_patch_field};
-  std::string names;
-  std::int64_t n = 0;
-  const auto add = [&](const mesh::Field& field, const char* on) {
-    const bool has_place = field.name == mesh::region_field
-                               ? format.has_regions
-                               : format.has_fields || (keeps_reals && !field.holds_integers());
-    if (has_place || std::find(own.begin(), own.end(), field.name) != own.end()) return;
-    if (++n <= 10) names += fmt::format("{}'{}' on {}", n == 1 ? "" : ", ", field.name, on);
-  };
-  for (const auto& field : mesh.cell_fields) add(field, "cells");
-  for (const auto& field : mesh.node_fields) add(field, "nodes");
-  if (n == 0) return {};
-  return fmt::format("{} left out: {}{}: files of {} have no place for {}", counted(n, "field is", "fields are"), names,
-                     n > 10 ? ", ..." : "", format.name, n == 1 ? "it" : "them");
 }
 
 Error unknown_ending(const Path& file, const std::string& endings, const std::string& found) {
@@ -272,23 +264,9 @@ ElementMesh read_mesh(const Comm& comm, const Path& file, const MeshReadOptions&
 void write_mesh(const Comm& comm, const Path& file, const mesh::DistMesh& mesh, const MeshWriteOptions& options) {
   const auto& format = format_to_write(comm, file);
   format.write(comm, file, mesh, options);
-  const auto n_conditions = std::count_if(mesh.info.patches.begin(), mesh.info.patches.end(),
-                                          [](const auto& patch) { return patch.condition != 0; });
-  if (n_conditions > 0 && options.remark && !format.is_native && !format.is_surface && !format.file_beside)
-    options.remark(fmt::format("the {} left out: files of {} have no place for {}",
-                               n_conditions == 1
-                                   ? "boundary condition (.mapbc) of 1 patch is"
-                                   : fmt::format("boundary conditions (.mapbc) of {} patches are", n_conditions),
-                               format.name, n_conditions == 1 ? "it" : "them"));
-  if (options.remark && !format.is_surface)
-    if (const auto text = text_of_lost_fields(format, mesh, options.keeps_fields); !text.empty()) options.remark(text);
-  if (format.has_inner_patches || format.is_surface || !options.remark) return;
-  const auto n_faces = mesh::count_inner_faces(comm, mesh);
-  for (std::size_t p = 0; p < n_faces.size(); ++p)
-    if (const auto n = n_faces[p]; n > 0)
-      options.remark(fmt::format("{} {} inside of '{}' {} left out: files of {} have no place for {}", n,
-                                 n == 1 ? "face" : "faces", mesh.info.patches[p].name, n == 1 ? "is" : "are",
-                                 format.name, n == 1 ? "it" : "them"));
+  for (const auto& text : texts_of_losses(comm, format, mesh, options)) options.remark(text);
+  if (options.note && !format.is_surface)
+    if (const auto text = text_of_lost_history(comm, format, mesh); !text.empty()) options.note(text);
 }
 
 }  // namespace pamr::io

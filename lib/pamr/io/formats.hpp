@@ -34,6 +34,7 @@ struct MeshWriteOptions {
   std::string provenance = {};                                 ///< see `WriteOptions`, of native files
   Exact<int> format = newest_format;                           ///< likewise
   std::function<void(const std::string& remark)> remark = {};  ///< likewise
+  std::function<void(const std::string& note)> note = {};      ///< hears of what only native files have a place for
   GmshWriteOptions gmsh = {};                                  ///< the interfaces are for Medit, too
   const mesh::SecondOrder* second_order = nullptr;             ///< null for linear cells
   std::vector<std::string> patches = {};                       ///< see `write_boundary`
@@ -55,6 +56,11 @@ struct Format {
   bool is_folder = false;
   bool has_inner_patches = false;                         ///< has a place for patches of faces inside
   bool has_fields = false, has_regions = false;           ///< has a place for fields, for the field `region`
+  bool has_names = true;                                  ///< of patches
+  bool has_numbers = false;                               ///< of patches, as the user gave them
+  bool has_region_names = false, has_groups = false;      ///< `mesh::Region::name`, `mesh::Group`
+  bool has_empty_patches = false;                         ///< keeps patches without faces
+  std::vector<std::string_view> kinds = {};               ///< of patches that it has a place for
   bool has_interfaces = false, has_second_order = false;  ///< can be written with these
   bool has_text = false;                                  ///< `GmshWriteOptions` hold
   bool has_solutions = false;                             ///< has fields in a `.sol` beside the mesh
@@ -85,8 +91,9 @@ std::string list_endings(const Format& format, std::string_view before_last);
 /// same `Error` on every rank.
 ElementMesh read_mesh(const par::Comm& comm, const std::filesystem::path& file, const MeshReadOptions& options = {});
 
-/// Writes a mesh. `options.remark` gets a sentence for fields, regions, conditions and patches of inner faces that the
-/// format has no place for. The bytes do not depend on the number of ranks. Collective; throws the same `Error` on every rank, and leaves nothing behind
+/// Writes a mesh. `options.remark` gets a sentence for fields, regions, conditions, names, kinds, groups and patches of
+/// inner faces that the format has no place for, `options.note` one for levels, surfaces and the unit of lengths. The bytes
+/// do not depend on the number of ranks. Collective; throws the same `Error` on every rank, and leaves nothing behind
 /// then.
 void write_mesh(const par::Comm& comm, const std::filesystem::path& file, const mesh::DistMesh& mesh,
                 const MeshWriteOptions& options = {});

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "pamr/io/formats.hpp"
+#include "pamr/mesh/dist_mesh.hpp"
+#include "pamr/par/comm.hpp"
+
+/// What a mesh has and a format has no place for.
+namespace pamr::io {
+
+/// One sentence each for conditions, fields, names and the like, and faces inside. None where nobody is to hear of it
+/// (`options.remark`), nor for surfaces, which hold the boundary alone. Collective.
+std::vector<std::string> texts_of_losses(const par::Comm& comm, const Format& format, const mesh::DistMesh& mesh,
+                                         const MeshWriteOptions& options);
+
+/// One sentence for levels, surfaces, numbers of patches and the unit of lengths; empty where there are none, and for
+/// the native format. Collective.
+std::string text_of_lost_history(const par::Comm& comm, const Format& format, const mesh::DistMesh& mesh);
+
+}  // namespace pamr::io
