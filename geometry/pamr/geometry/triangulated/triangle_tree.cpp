@@ -15,6 +15,7 @@ namespace {
 constexpr std::size_t leaf_size = 3;
 constexpr std::size_t max_parts = 16;  ///< of a triangle, on average
 constexpr int max_halvings = 8;
+constexpr double thin = 12;      ///< squared diagonal of the box by the area: such triangles have shorter parts
 constexpr double long_part = 3;  ///< diagonal of a part's box, in sides of a square of the mean area
 
 /// The longest diagonal that the box of a part may have; none where no triangle has an area.
@@ -83,9 +84,10 @@ TriangleTree::TriangleTree(std::span<const std::array<Vec3, 3>> triangles) {
   int number = 0;
   for (const auto& t : triangles) {
     const Item whole{t, box_of(t), (1.0 / 3) * (t[0] + t[1] + t[2]), number++};
-    const bool is_long = whole.box.diagonal() > longest && items.size() < max_parts * triangles.size();
-    if (is_long)
-      add_parts(whole, t, longest, max_halvings, items);
+    const double diagonal = whole.box.diagonal(), area = 0.5 * norm(cross(t[1] - t[0], t[2] - t[0]));
+    const double part = diagonal * diagonal > thin * area ? longest / long_part : longest;
+    if (diagonal > part && items.size() < max_parts * triangles.size())
+      add_parts(whole, t, part, max_halvings, items);
     else
       items.push_back(whole);
   }
