@@ -2,7 +2,6 @@
 #include "pamr/geometry/triangulated/triangle_tree.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "pamr/base/index.hpp"
@@ -13,18 +12,6 @@ namespace pamr::geometry {
 namespace {
 
 constexpr std::size_t leaf_size = 3;
-constexpr std::size_t max_parts = 16;  ///< of a triangle, on average
-constexpr int max_halvings = 8;
-constexpr double thin = 12;      ///< squared diagonal of the box by the area: such triangles have shorter parts
-constexpr double long_part = 3;  ///< diagonal of a part's box, in sides of a square of the mean area
-
-/// The longest diagonal that the box of a part may have; none where no triangle has an area.
-double longest_diagonal(std::span<const std::array<Vec3, 3>> triangles) {
-  double area = 0;
-  for (const auto& t : triangles) area += 0.5 * norm(cross(t[1] - t[0], t[2] - t[0]));
-  const double longest = long_part * std::sqrt(area / static_cast<double>(triangles.size()));
-  return longest > 0 ? longest : std::numeric_limits<double>::infinity();
-}
 
 }  // namespace
 
@@ -52,45 +39,15 @@ std::array<double, 2> nearest_parameters(Vec3 ab, Vec3 ac, Vec3 ap) {
 
 Box TriangleTree::box_of_items(std::span<const Item> items) {
   Box box;
-  for (const auto& item : items) box.merge(item.box);
+  for (const auto& item : items) box.merge(box_of(item.corner));
   return box;
-}
-
-/// Halves the longest side until the box is short enough, or so many times. The boxes of parts are a little larger than these, so that no
-/// point of the triangle is in none by rounding.
-void TriangleTree::add_parts(const Item& whole, const std::array<Vec3, 3>& part, double longest, int n_halvings,
-                             std::vector<Item>& items) {
-  auto box = box_of(part);
-  if (box.diagonal() <= longest || n_halvings == 0) {
-    constexpr double rounding = 1e-14;
-    const double pad = rounding * (norm(box.low) + norm(box.high));
-    box.merge({box.low - Vec3{pad, pad, pad}, box.high + Vec3{pad, pad, pad}});
-    items.push_back({whole.corner, box, (1.0 / 3) * (part[0] + part[1] + part[2]), whole.triangle});
-    return;
-  }
-  std::size_t k = 0;
-  for (std::size_t i = 1; i < 3; ++i)
-    if (squared_norm(part[(i + 2) % 3] - part[(i + 1) % 3]) > squared_norm(part[(k + 2) % 3] - part[(k + 1) % 3]))
-      k = i;
-  const Vec3 top = part[k], a = part[(k + 1) % 3], b = part[(k + 2) % 3], middle = midpoint(a, b);
-  add_parts(whole, {top, a, middle}, longest, n_halvings - 1, items);
-  add_parts(whole, {top, middle, b}, longest, n_halvings - 1, items);
 }
 
 TriangleTree::TriangleTree(std::span<const std::array<Vec3, 3>> triangles) {
   std::vector<Item> items;
-  const double longest = triangles.empty() ? 0 : longest_diagonal(triangles);
   items.reserve(triangles.size());
-  int number = 0;
-  for (const auto& t : triangles) {
-    const Item whole{t, box_of(t), (1.0 / 3) * (t[0] + t[1] + t[2]), number++};
-    const double diagonal = whole.box.diagonal(), area = 0.5 * norm(cross(t[1] - t[0], t[2] - t[0]));
-    const double part = diagonal * diagonal > thin * area ? longest / long_part : longest;
-    if (diagonal > part && items.size() < max_parts * triangles.size())
-      add_parts(whole, t, part, max_halvings, items);
-    else
-      items.push_back(whole);
-  }
+  for (const auto& t : triangles)
+    items.push_back({t, (1.0 / 3) * (t[0] + t[1] + t[2]), static_cast<int>(items.size())});
   nodes_.reserve(items.size());
   entries_.reserve(items.size());
   if (items.empty()) return;

@@ -16,9 +16,7 @@ namespace pamr::geometry {
 std::array<double, 2> nearest_parameters(Vec3 ab, Vec3 ac, Vec3 ap);
 
 /// A tree of boxes about flat triangles that answers which one is nearest. Local, thread-safe; the answer depends on
-/// the triangles and their order only. 150 bytes a triangle; a query takes O(log n) near the surface. Triangles that are
-/// long for what there is, as CAD kernels make them about holes of flat faces, have several boxes, along their length: else
-/// those of all of them would hold most points. At most 16 boxes a triangle, on average.
+/// the triangles and their order only. 150 bytes a triangle; a query takes O(log n) near the surface.
 class TriangleTree {
  public:
   /// Triangles may be segments (two corners equal).
@@ -41,15 +39,11 @@ class TriangleTree {
     Vec3 a, ab, ac;
     int triangle = 0;
   };
-  /// A part of a triangle.
   struct Item {
-    std::array<Vec3, 3> corner;  ///< of the whole one
-    Box box;
+    std::array<Vec3, 3> corner;
     Vec3 center;
     int triangle = 0;
   };
-  static void add_parts(const Item& whole, const std::array<Vec3, 3>& part, double longest, int n_halvings,
-                        std::vector<Item>& items);
   int build(std::span<Item> items, std::size_t first);
   static Box box_of_items(std::span<const Item> items);
 
