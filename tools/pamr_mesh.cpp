@@ -90,7 +90,9 @@ meshing::LevelZero make(const cli::Session& session, const Options& options, con
     session.step(done < n ? fmt::format("meshing, step {} of {}: {}", done + 1, n, next) : "meshing: order and check");
   };
   show(0, "interior");
-  return meshing::make_mesh(comm, mesh_case, {show, [&](const std::string& warning) { session.warn(warning); }});
+  return meshing::make_mesh(comm, mesh_case,
+                            {show, [&](const std::string& warning) { session.warn(warning); },
+                             [&](const std::string& note) { session.note(note); }});
 }
 
 cli::ExitCode make_mesh(cli::Session& session, const Options& options) {

@@ -40,6 +40,10 @@ RawMesh mesh_interior(const Domain& domain, unsigned seed, const Listener& liste
   watch.progress = [&](std::int64_t nodes, std::int64_t expected) {
     listener.progress(0, fmt::format("interior, {} nodes of about {}", nodes, expected).c_str());
   };
+  bool is_told = false;
+  watch.slow = [&](const std::string& why) {
+    if (!std::exchange(is_told, true)) listener.note("meshing takes long: " + why);
+  };
   std::optional<MesherFailure> failure;  // with the sizes that were asked for
   for (const double factor : {1.0, 0.97, 1.03}) {
     auto changed = domain;

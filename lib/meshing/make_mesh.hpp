@@ -12,11 +12,12 @@
 
 namespace pamr::meshing {
 
-/// Gets progress and warnings; called on rank 0 only.
+/// Gets progress, warnings and notes; called on rank 0 only.
 struct Listener {
   static constexpr int n_steps = 3;
   std::function<void(int steps_done, const char* next_step)> progress = [](int, const char*) {};
   std::function<void(const std::string&)> warn = [](const std::string&) {};
+  std::function<void(const std::string&)> note = [](const std::string&) {};  ///< of what takes long
 };
 
 /// A mesh of level 0; its wall ears are opened.

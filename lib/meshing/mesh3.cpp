@@ -19,6 +19,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <ctime>
 #include <limits>
 #include <map>
 #include <string>
@@ -74,6 +75,7 @@ class Work {
 
   void ask(geometry::Vec3 where) {
     if (++n_questions_ > most_) throw TooMuch();
+    if (n_questions_ % questions_between_looks == 0 && !is_slow_) look_at_the_clock();
     if (nodes_ == nullptr) return;
     const auto n = static_cast<std::int64_t>(nodes_->number_of_vertices());
     if (n > n_nodes_) {
@@ -93,8 +95,23 @@ class Work {
   static constexpr const char* no_new =
       "No new one comes there: give another size, and move what is far from the origin to it";
   static constexpr double cells_per_node = 4.5;
+  static constexpr std::int64_t questions_between_looks = 1'000;
   static constexpr std::int64_t spare_factor = 100, too_many_nodes = 1'000'000;
   static constexpr std::int64_t idle_questions = 1'000'000, idle_questions_per_node = 5'000;
+
+  /// The mesh does not depend on it.
+  void look_at_the_clock() {
+    const double seconds = busy_seconds() - began_;
+    if (seconds < watch_.slow_after) return;
+    is_slow_ = true;
+    watch_.slow(fmt::format(
+        "{:.0f} s of a processor so far, for {} nodes of about {}: CGAL asked {} times on which side of the boundary a "
+        "point lies or how long edges are to be there, {:.2g} ms for 1,000 questions. Thin walls and sharp angles ask "
+        "often; many faces or triangles make answers slow. Larger sizes end sooner",
+        seconds, n_nodes_, expected_, n_questions_, 1e6 * seconds / static_cast<double>(n_questions_)));
+  }
+
+  static double busy_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
   void report() {
     watch_.progress(n_nodes_, expected_);
@@ -113,6 +130,8 @@ class Work {
   const Triangulation* nodes_ = nullptr;
   std::int64_t n_questions_ = 0, most_ = std::numeric_limits<std::int64_t>::max();
   std::int64_t n_nodes_ = 0, last_growth_ = 0, next_report_ = 1000;
+  double began_ = busy_seconds();
+  bool is_slow_ = false;
 };
 
 struct SizeField {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <string>
 
 #include "meshing/meshing_domain.hpp"
 #include "meshing/raw_mesh.hpp"
@@ -23,6 +24,9 @@ struct Mesh3Watch {
   std::int64_t spare_nodes = 100'000;
   /// Gets the nodes so far and about how many the sizes ask for, from 1000 nodes on, at each quarter more.
   std::function<void(std::int64_t nodes, std::int64_t expected)> progress = [](std::int64_t, std::int64_t) {};
+  /// Gets a sentence once this process has been busy for so many seconds in one `run_mesh3`: what takes the time.
+  double slow_after = 15;
+  std::function<void(const std::string& why)> slow = [](const std::string&) {};
 };
 
 /// Meshes a domain with CGAL's Delaunay refinement: feature curves protected by balls, boundary faces labelled by the

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 #include <numbers>
+#include <string>
 #include <vector>
 
 #include "pamr/base/error.hpp"
@@ -110,6 +111,21 @@ TEST(RunMesh3, ExpectsTheNodesOfABodyThatItsGridDoesNotMeet) {
   EXPECT_THAT([&] { run_mesh3(domain, 1, watch); }, ThrowsMessage<Error>(HasSubstr("enough")));
 
   EXPECT_EQ(announced, 1234);
+}
+
+TEST(RunMesh3, SaysWhatTakesLongOnceAndMakesTheSameMesh) {
+  const auto domain = can();
+  std::vector<std::string> said;
+  Mesh3Watch watch;
+  watch.slow = [&](const std::string& why) { said.push_back(why); };
+
+  const auto mesh = run_mesh3(domain, 1, watch);
+  EXPECT_THAT(said, ::testing::IsEmpty());  // it takes a fraction of a second
+
+  watch.slow_after = 0;
+  const auto slow = run_mesh3(domain, 1, watch);
+  EXPECT_THAT(said, ::testing::ElementsAre(::testing::AllOf(HasSubstr("s of a processor"), HasSubstr("CGAL asked"))));
+  EXPECT_EQ(slow.cell, mesh.cell);
 }
 
 // At 1e12 neighboring numbers are farther from each other than the mesher wants to know where the ball begins.
