@@ -211,7 +211,7 @@ def test_what_lies_beside_a_ugrid_file_is_told():
             ("idle.b8.ugrid", b"", "8\n1 4000 a\n2 3000 b\n3 0 c\n4 0 d\n5 0 e\n6 0 f\n9 5000 far\n7 0 g\n",
              ["2 lines of idle.mapbc are left out: the mesh has no such surface, the first is 7 'g'"]),
             ("more.lb8.ugrid", b"", "6\n1 4000 a\n2 3000 b\n3 0 c\n4 0 d\n5 0 e\n6 0 f\n9 5000 far\n\n",
-             ["1 line of more.mapbc is left out: they are behind the 6 that it announces"]),
+             ["1 line of more.mapbc is left out: behind the 6 that it announces"]),
             ("less.lb8.ugrid", b"", "4\n1 4000 a\n2 3000 b\n3 0 c\n6 0 f\n",
              ["2 surfaces have no line in less.mapbc, the first is 4: no condition is known there"])]:
         mesh.write(name)

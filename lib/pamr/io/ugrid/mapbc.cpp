@@ -133,8 +133,7 @@ std::vector<std::string> remarks_of(const Conditions& conditions, const std::fil
     add_lines(std::ssize(idle), fmt::format("the mesh has no such surface, the first is {} '{}'", idle.front(),
                                             conditions.patches.at(idle.front()).name));
   if (conditions.n_more_lines > 0)
-    add_lines(conditions.n_more_lines,
-              fmt::format("they are behind the {} that it announces", conditions.patches.size()));
+    add_lines(conditions.n_more_lines, fmt::format("behind the {} that it announces", conditions.patches.size()));
   if (!missing.empty())
     remarks.push_back(fmt::format("{} no line in {}, the first is {}: no condition is known there",
                                   counted(std::ssize(missing), "surface has", "surfaces have"), name, missing.front()));
