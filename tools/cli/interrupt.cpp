@@ -87,7 +87,7 @@ Line crash_line, end_line;
 std::array<struct sigaction, signals_of_crash.size()> before_crash{};
 int kept_code = 0;
 
-/// What was to happen follows.
+/// Then the handler that was there before gets the signal.
 extern "C" void say_what_is_complete(int signal) {
   for (std::size_t i = 0; i < signals_of_crash.size(); ++i)
     if (signals_of_crash[i] == signal) ::sigaction(signal, &before_crash[i], nullptr);

@@ -14,7 +14,7 @@ namespace pamr::io {
 
 namespace {
 
-// What a signal handler may read: fixed storage, and a length that grows when the text is in place.
+// A signal handler reads these: the storage is fixed, and the length grows once the text is in place.
 std::array<char, 1000> text{};
 std::atomic<std::size_t> length{0};
 std::atomic<bool> is_full{false};

@@ -8,7 +8,7 @@
 #include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/par/comm.hpp"
 
-/// What a mesh has and a format has no place for.
+/// Parts of a mesh that a format cannot store.
 namespace pamr::io {
 
 /// One sentence each for conditions, fields, names and the like, and faces inside. None where nobody is to hear of it

@@ -37,7 +37,7 @@ Triangles plate_with_hole() {
   return triangles;
 }
 
-/// What the tree is to find, by looking at all of them.
+/// The expected answer of the tree, by a search through all triangles.
 TriangleTree::Hit nearest_of_all(const Triangles& triangles, Vec3 point) {
   TriangleTree::Hit best;
   double least = std::numeric_limits<double>::infinity();

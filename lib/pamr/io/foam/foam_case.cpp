@@ -22,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What is in a folder, by name; nothing where it cannot be listed.
+/// Paths of the entries of a folder, sorted by name; none if the folder cannot be listed.
 std::vector<fs::path> entries_of(const fs::path& folder) {
   std::vector<fs::path> entries;
   std::error_code failed;

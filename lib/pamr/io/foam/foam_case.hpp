@@ -7,7 +7,7 @@
 
 #include "pamr/io/elements/whole_mesh.hpp"
 
-/// What the folder of a case has beside its mesh. Local. Source: OpenFOAM user guide, "File structure of OpenFOAM cases".
+/// Other data in the folder of a case: times, regions, sets. Local. Source: OpenFOAM user guide, "File structure of OpenFOAM cases".
 namespace pamr::io::foam {
 
 /// Names of the regions of a case that have a mesh of their own (`constant/NAME/polyMesh`), ascending.

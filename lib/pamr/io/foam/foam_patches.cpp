@@ -24,7 +24,7 @@ std::string kind_of_type(const std::string& type) {
   return {};
 }
 
-/// What a patch has in `boundary`.
+/// The entry of a patch in the file `boundary`.
 struct Entry {
   std::string name, type = "patch";
   std::int64_t start = -1, size = -1;

@@ -13,6 +13,7 @@
 #include <limits>
 #include <span>
 #include <string_view>
+#include <utility>
 
 #include "pamr/base/error.hpp"
 #include "pamr/io/native/hdf5.hpp"
@@ -47,6 +48,8 @@ class Inspector {
   bool has_link(const std::string& path) const;
   bool has_group(const std::string& path) const;
   bool is_empty(const std::string& path) const;
+  /// At most one more than `most`: then there are more.
+  std::vector<std::string> first_names_in(const std::string& group, std::size_t most) const;
   std::vector<std::string> names_in(const std::string& group) const;
   void others_in(const std::string& group, std::span<const std::string_view> known);
   void others();
@@ -136,16 +139,7 @@ void Inspector::others_in(const std::string& group, std::span<const std::string_
   constexpr std::size_t most = 1000;
   constexpr std::array<std::string_view, 5> of_vtk{"FieldData", "FaceConnectivity", "FaceOffsets", "PolyhedronToFaces",
                                                    "PolyhedronOffsets"};  // which it makes for nothing, too
-  std::vector<std::string> names;
-  const auto add = [](hid_t, const char* name, const H5L_info_t*, void* data) -> herr_t {
-    auto& list = *static_cast<std::vector<std::string>*>(data);
-    list.emplace_back(name);
-    return list.size() > most ? 1 : 0;
-  };
-  hsize_t start = 0;
-  hdf5::require(
-      H5Literate_by_name(h5_.id(), group.c_str(), H5_INDEX_NAME, H5_ITER_INC, &start, add, &names, H5P_DEFAULT) >= 0,
-      at(group, "cannot list it"));
+  const auto names = first_names_in(group, most);
   for (const auto& name : names) {
     const auto path = (group == "/" ? "" : group) + "/" + name;
     const auto is_one_of = [&](const auto& all) { return std::find(all.begin(), all.end(), name) != all.end(); };
@@ -221,17 +215,25 @@ bool Inspector::is_empty(const std::string& path) const {
   return H5Sget_simple_extent_npoints(space.id()) <= 0;
 }
 
-std::vector<std::string> Inspector::names_in(const std::string& group) const {
-  std::vector<std::string> names;
+std::vector<std::string> Inspector::first_names_in(const std::string& group, std::size_t most) const {
+  struct List {
+    std::size_t most;
+    std::vector<std::string> names;
+  } list{most, {}};
   const auto add = [](hid_t, const char* name, const H5L_info_t*, void* data) -> herr_t {
-    auto& list = *static_cast<std::vector<std::string>*>(data);
-    list.emplace_back(name);
-    return list.size() > max_fields ? 1 : 0;
+    auto& to = *static_cast<List*>(data);
+    to.names.emplace_back(name);
+    return to.names.size() > to.most ? 1 : 0;
   };
   hsize_t start = 0;
   hdf5::require(
-      H5Literate_by_name(h5_.id(), group.c_str(), H5_INDEX_NAME, H5_ITER_INC, &start, add, &names, H5P_DEFAULT) >= 0,
+      H5Literate_by_name(h5_.id(), group.c_str(), H5_INDEX_NAME, H5_ITER_INC, &start, add, &list, H5P_DEFAULT) >= 0,
       at(group, "cannot list it"));
+  return std::move(list.names);
+}
+
+std::vector<std::string> Inspector::names_in(const std::string& group) const {
+  auto names = first_names_in(group, max_fields);
   if (names.size() > max_fields) fail(group, fmt::format("expected at most {} objects, found more", max_fields));
   return names;
 }
