@@ -148,7 +148,7 @@ TEST(ClosureHistory, DoesNotShowInTheResult) {
     ASSERT_EQ(test::reference_fingerprint(test::gather_on(self, other, 0)), expected);
     ++n_cases;
   }
-  EXPECT_GT(world.sum(n_calls), 3 * world.sum(n_cases));
+  EXPECT_GT(world.sum(n_calls), 2 * world.sum(n_cases));
 }
 
 double worst_mean_ratio(const mesh::DistMesh& mesh) {
