@@ -26,16 +26,17 @@ def mesh_of_cubes(comm, n, is_inside):
 
 
 def edge_function(a, b):
-    """r^(2/3) sin(2 phi / 3) with phi from the positive b axis, away from the quadrant of two positive numbers."""
+    """r^(2/3) sin(2 phi / 3) with phi from the positive b axis, away from the quadrant of two positive numbers. phi jumps in the middle
+    of that quadrant, so that points of the two faces may lie beside them by rounding, as dolfinx computes them."""
     angle = ufl.atan_2(-a, b)
-    angle = ufl.conditional(ufl.lt(angle, 0), angle + 2 * np.pi, angle)
+    angle = ufl.conditional(ufl.lt(angle, -np.pi / 4), angle + 2 * np.pi, angle)
     return (a * a + b * b) ** (1 / 3) * ufl.sin(2 * angle / 3)
 
 
 def edge_values(a, b):
     """The same of numbers."""
     angle = np.arctan2(-a, b)
-    angle = np.where(angle < 0, angle + 2 * np.pi, angle)
+    angle = np.where(angle < -np.pi / 4, angle + 2 * np.pi, angle)
     return np.cbrt(a * a + b * b) * np.sin(2 * angle / 3)
 
 
