@@ -197,10 +197,30 @@ def test_whole_cells_at_a_side_of_the_domain_are_those_that_lie_there():
     mesh = mesh_files.read(cubes()[0])
     for normal, offset in (((1, 0, 0), 0.0), ((0, 1, 0), 0.0), ((0, 0, 1), 0.0), ((0, 0, -1), -1.0)):
         plane = shapes.within(mesh, Plane(np.array(normal, float), offset))
-        faces = shapes.cells_behind(mesh, plane, {})
+        faces = shapes.complete_cells(mesh, shapes.behind(mesh, plane), {})
         owners = np.unique(shapes.array(faces.GetCellData(), "owner"))
         heights = (mesh.points[mesh.cells] @ np.array(normal, float) - offset).min(axis=1)
         assert len(owners) >= 36 and np.abs(heights[owners]).max() < 1e-9, (normal, len(owners))
+
+
+def test_cells_are_chosen_by_a_field():
+    import mesh_files
+    import panel
+    from view import Plane
+    mesh = mesh_files.read(cubes()[0])
+    x = mesh.points[mesh.cells][:, :, 0].mean(axis=1)
+    mesh.cell_fields["x"], mesh.node_fields["at"] = x, mesh.points[:, 0]
+    mesh.cell_fields["gap"] = np.where(x < 0.5, np.nan, x)
+    half = Plane(np.array([0.0, 0, 1]), 0.5)
+    is_low = mesh.points[mesh.cells][:, :, 2].mean(axis=1) <= 0.5
+
+    for condition, cut, expected in ((("x", True, 0.3), None, x < 0.3), (("x", False, 0.3), half, (x > 0.3) & is_low),
+                                     (("at", False, 0.7), None, x > 0.7), (("gap", True, 0.7), None, (x >= 0.5) & (x < 0.7))):
+        subject = panel.Subject(mesh, panel.Wish(cut=cut, condition=condition))
+        drawn = [np.unique(panel.shapes.array(data.GetCellData(), "owner")) for data, _, _ in subject.pieces()]
+        assert (subject.chosen == expected).all() and np.isin(np.concatenate(drawn), np.flatnonzero(expected)).all(), condition
+    none = panel.Subject(mesh, panel.Wish(condition=("x", False, 2.0), patches=["xmin"]))
+    assert not none.chosen.any() and none.pieces()[0][0].GetNumberOfCells() and not none.pieces()[1][0].GetNumberOfCells()
 
 
 def test_titles_of_scales_fit_into_their_column():
@@ -230,6 +250,9 @@ def test_wrong_words_are_one_clear_message():
             (["--size", "big"], "expected WIDTHxHEIGHT"),
             (["--range", "2,1", "--field", "x"], "expected two rising numbers"),
             (["--whole-cells"], "expected --cut"),
+            (["--whole-cells", "--cut", "x=0.5", "--cells", "x<1"], "--cells: expected no --whole-cells"),
+            (["--cells", "x=1"], "expected a field, < or >, and a number"),
+            (["--cells", "x<nan"], "--cells: expected a number, found 'nan'"),
             (["--mirror", "q"], "expected some of the letters x, y, z"),
             (["--zoom", "1", "--zoom", "2"], "one for each of the 1")):
         refuses("pamr-picture", coarse, "-o", "p.png", *arguments, says=[says], creates="p.png")
@@ -250,6 +273,8 @@ def test_names_that_are_not_there_are_one_clear_message():
             ([coarse, "--field", "u:3"], "expected a component from 0 to 2"),
             ([coarse, "--patch", "wall"], "unknown patch 'wall'; there are xmax, xmin"),
             ([coarse, "--patch", "w*"], "unknown patch 'w*'; there are xmax, xmin"),
+            ([coarse, "--cells", "quality<1"], "unknown field 'quality'"),
+            ([coarse, "--cells", "level>3"], "expected something to draw"),
             ([coarse, "--cut", "y=7"], "the mesh has y from 0 to 1"),
             ([coarse, "--streamlines", "x"], "expected a field with 3 components"),
             ([coarse, "--isolines", "3"], "expected a field with numbers"),

@@ -40,7 +40,8 @@ def numbers(text, what, count=None):
     except ValueError:
         values = [float("nan")]
     if not np.isfinite(values).all() or (count and len(values) != count):
-        raise Refused(f"{what}: expected {count or 'some'} numbers with commas between them, found '{text}'")
+        many = f"{count or 'some'} numbers with commas between them"
+        raise Refused(f"{what}: expected {'a number' if count == 1 else many}, found '{text}'")
     return values
 
 
@@ -70,6 +71,14 @@ def plane(text):
     return Plane(normal, offset / np.linalg.norm(raw)), view_of(normal)
 
 
+def condition(text):
+    """`mean_ratio<0.2`: the field, whether values below the number are meant, and the number."""
+    found = re.fullmatch(r"\s*(.+?)\s*([<>])([^<>]+)", text)
+    if not found:
+        raise Refused(f"--cells: expected a field, < or >, and a number, such as 'mean_ratio<0.2', found '{text}'")
+    return found.group(1), found.group(2) == "<", numbers(found.group(3), "--cells", 1)[0]
+
+
 def layout(prog):
     """Lines of at most 100 columns, as --help of the other tools."""
     return argparse.RawDescriptionHelpFormatter(prog, width=min(shutil.get_terminal_size().columns, 100))
@@ -88,6 +97,8 @@ def parser(version):
     what.add_argument("--cut", metavar="PLANE", help="the section with a plane: x=V, y=V, z=V or NX,NY,NZ=V; what is in front "
                       "of it is taken away")
     what.add_argument("--whole-cells", action="store_true", help="with --cut: the complete cells behind the plane")
+    what.add_argument("--cells", metavar="CONDITION", help="the complete cells where a field is below or above a number: "
+                      "'mean_ratio<0.2', 'level>2'; with --cut those behind the plane, in place of the section")
     what.add_argument("--mirror", default="", metavar="AXES", help="also the images in x = 0, y = 0, z = 0: x, xy, ...")
     what.add_argument("--edges", action=argparse.BooleanOptionalAction, help="edges of the cells (default: without --field)")
     colors = line.add_argument_group("colors")
@@ -163,6 +174,9 @@ def read(arguments, version):
         raise Refused(f"--label: expected one for each of the {len(o.meshes)} meshes, found {len(o.label)}")
     if o.whole_cells and not o.cut:
         raise Refused("--whole-cells: expected --cut, found none")
+    if o.whole_cells and o.cells:
+        raise Refused("--cells: expected no --whole-cells beside it, which shows all cells behind the plane")
+    o.condition = condition(o.cells) if o.cells else None
     if set(o.mirror) - set("xyz") or len(set(o.mirror)) != len(o.mirror):
         raise Refused(f"--mirror: expected some of the letters x, y, z, found '{o.mirror}'")
     if not (np.isfinite(o.scale) and o.scale != 0):

@@ -77,6 +77,8 @@ def face_keys(triangles):
 
 def outer_faces(cells):
     """Faces of one cell only, and these cells."""
+    if not len(cells):
+        return np.empty((0, 3), cells.dtype), np.empty(0, np.int64)
     triangles = cells[:, FACE_TO_CORNER].reshape(-1, 3)
     keys = face_keys(triangles)
     order = np.lexsort(keys.T[::-1])

@@ -22,6 +22,7 @@ class Wish:
     """What the user asked for, the same for all panels."""
     cut: object = None            # view.Plane
     whole_cells: bool = False
+    condition: tuple = None       # field, whether below, number
     patches: list = None          # names; None: not given
     field: str = None             # None: levels
     scale: float = 1.0
@@ -42,16 +43,32 @@ class Subject:
             if not len(mesh.cells):
                 raise Refused(f"{mesh.file}: --cut: expected tetrahedra, found triangles only")
             self.plane = shapes.within(mesh, wish.cut)
+        self.chosen = self._chosen()
         self.patches = self._patches()
         self.values = self._values()
         self._pieces = None
 
+    def _chosen(self):
+        """Of each cell whether it is shown as a whole; nothing where none is."""
+        mesh, wish = self.mesh, self.wish
+        if not wish.whole_cells and wish.condition is None:
+            return None
+        chosen = np.ones(len(mesh.cells), bool) if self.plane is None else shapes.behind(mesh, self.plane)
+        if wish.condition is not None:
+            if not len(mesh.cells):
+                raise Refused(f"{mesh.file}: --cells: expected tetrahedra, found triangles only")
+            name, is_below, bound = wish.condition
+            found = values.values_of(mesh, name)
+            numbers = values.to_cells(mesh, found.numbers) if found.on_nodes else found.numbers
+            chosen &= numbers < bound if is_below else numbers > bound
+        return chosen
+
     def _patches(self):
-        """Names of the patches that are drawn: all without --patch, but none beside a cut. A mesh whose boundary has no
+        """Names of the patches that are drawn: all without --patch, but none beside a cut or chosen cells. A mesh whose boundary has no
         names is drawn with all of it."""
         mesh, wanted = self.mesh, self.wish.patches
         if wanted is None:
-            return list(mesh.patches) if self.plane is None else []
+            return list(mesh.patches) if self.plane is None and self.chosen is None else []
         if "all" in wanted or mesh.patches == [NO_PATCH]:
             return list(mesh.patches)
         drawn = {name for patch in wanted for name in patches_named(patch, mesh.groups)}
@@ -97,9 +114,10 @@ class Subject:
             if self.plane is not None:
                 data = shapes.clipped(data, self.plane)
             yield shapes.mirrored(data, mirror), is_flat, name
-        if self.plane is not None:
-            make = shapes.cells_behind if self.wish.whole_cells else shapes.section
-            yield shapes.mirrored(make(self.mesh, self.plane, fields), mirror), not self.wish.whole_cells, None
+        if self.chosen is not None:
+            yield shapes.mirrored(shapes.complete_cells(self.mesh, self.chosen, fields), mirror), False, None
+        elif self.plane is not None:
+            yield shapes.mirrored(shapes.section(self.mesh, self.plane, fields), mirror), True, None
 
     def points(self):
         return np.concatenate([vtk_to_numpy(data.GetPoints().GetData()) for data, _, _ in self.pieces()

@@ -124,6 +124,8 @@ def fitted(extent, width, height):
 
 def counts(subject):
     mesh, n = subject.mesh, sum(data.GetNumberOfCells() for data, _, _ in subject.pieces())
+    if subject.wish.condition is not None:
+        return f"{int(subject.chosen.sum()):,} of {len(mesh.cells):,} cells"
     return f"{len(mesh.cells):,} cells" if len(mesh.cells) else f"{n:,} triangles"
 
 
@@ -165,7 +167,7 @@ def make(o):
     import page as pages
     from panel import Subject, Wish, draw
     from x_server import screen
-    wish = Wish(o.plane, o.whole_cells, o.patch, o.field, o.scale, o.smooth, o.isolines, o.streamlines, o.edges, o.mirror)
+    wish = Wish(o.plane, o.whole_cells, o.condition, o.patch, o.field, o.scale, o.smooth, o.isolines, o.streamlines, o.edges, o.mirror)
     meshes = [mesh_files.read(file) for file in o.meshes]
     require_patches(o.patch or [], meshes)
     subjects = [Subject(mesh, wish) for mesh in meshes]

@@ -102,11 +102,15 @@ def section(mesh, plane, fields):
     return cutter.GetOutput()
 
 
-def cells_behind(mesh, plane, fields):
-    """The outer triangles of all cells whose centroid lies below the plane; at a side of the domain of those that it cuts."""
-    kept = np.nonzero(plane.height(mesh.points[mesh.cells].mean(axis=1)) <= 0)[0]
-    if not len(kept):
-        kept = np.nonzero(plane.height(mesh.points)[mesh.cells].min(axis=1) < 0)[0]
+def behind(mesh, plane):
+    """Of each cell, whether its centroid lies below the plane; at a side of the domain whether the plane cuts it."""
+    kept = plane.height(mesh.points[mesh.cells].mean(axis=1)) <= 0
+    return kept if kept.any() else plane.height(mesh.points)[mesh.cells].min(axis=1) < 0
+
+
+def complete_cells(mesh, chosen, fields):
+    """The outer triangles of these cells, one truth value for each cell of the mesh."""
+    kept = np.nonzero(chosen)[0]
     faces, owner = outer_faces(mesh.cells[kept])
     return triangles_of(mesh, faces, kept[owner], fields)
 
