@@ -122,8 +122,8 @@ def test_every_kind_of_file_is_drawn_and_patches_keep_their_names():
     with h5py.File("groups.hdf", "r+") as file:
         names = file["PAMR/patches/names"].asstr()[:].tolist()
         file["PAMR/patches/groups"] = ["7 5 sides 9 2 no" if name in ("xmin", "xmax") else "" for name in names]
-    run("pamr-picture", "groups.hdf", "-o", "sides.png", "--patch", "sides", "--title", "coarse", "--quiet")
-    run("pamr-picture", coarse, "-o", "both.png", "--patch", "x*", "--title", "coarse", "--quiet", "--force")
+    run("pamr-picture", "groups.hdf", "-o", "sides.png", "--patch", "sides", "--label", "coarse", "--quiet")
+    run("pamr-picture", coarse, "-o", "both.png", "--patch", "x*", "--label", "coarse", "--quiet", "--force")
     assert pathlib.Path("sides.png").read_bytes() == pathlib.Path("both.png").read_bytes()
     panels = np.array_split(image[80:-50], 4, axis=1)
     assert all(len(np.unique(panel.reshape(-1, 3), axis=0)) > 20 for panel in panels)
