@@ -183,7 +183,7 @@ def five_meshes():
     """Five small meshes of the project: commands of pamr-mesh, and names of the patches that are no outer ones."""
     yield "sphere", ("--shape", "sphere-in-box", "--size", "0.6"), {"sphere"}
     yield "cone", ("--shape", "blunt-cone", "--size", "0.01"), {"forebody", "base", "sting"}
-    yield "spheres", ("--shape", "charged-spheres", "--size", "1.5"), {"sphere_1", "sphere_2"}
+    yield "spheres", ("--shape", "charged-spheres", "--size", "1.5"), {"sphere"}
     yield "cube", ("--shape", "kuhn-cube", "--n", "6"), set()
     yield "rod", (str(ROOT / "cases/charged-rod/case.toml"),), {"rod"}
 

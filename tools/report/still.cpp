@@ -25,7 +25,8 @@ constexpr double edge_width = 1.2 * fineness;    // to its end, in samples
 constexpr double full_height = 10.0 * fineness;  // of a triangle whose edges have their full color
 constexpr double edge_strength = 0.62;
 constexpr Rgb edge_color{0x1d, 0x24, 0x30};
-constexpr Vec3 from{-1.05, -1.22, 0.72};  // as `look("home")` of page/view.js
+constexpr Vec3 from{-1.05, -1.22, 0.72};  // as `look("home")` of page/view.js,
+constexpr double before_section = 2.5;    // which looks more along the axis that a section is across
 constexpr std::size_t cut_axis = 1;
 
 Rgb color_of(std::string_view text) {
@@ -39,8 +40,10 @@ struct Camera {
   Vec3 toward, right, up, target{};
   double distance = 0, horizontal = 0, vertical = 0;  ///< tangents of half the angles of the view
 
-  explicit Camera(double aspect) {
-    toward = (1 / norm(from)) * from;
+  Camera(double aspect, bool is_cut) {
+    toward = from;
+    if (is_cut) toward[cut_axis] *= before_section;
+    toward = (1 / norm(toward)) * toward;
     right = cross({0, 0, 1}, toward);
     right = (1 / norm(right)) * right;
     up = cross(toward, right);
@@ -231,7 +234,7 @@ std::string still_picture(const std::vector<ReportedMesh>& meshes, const FirstVi
   }
   Canvas canvas;
   const int columns = canvas.columns / static_cast<int>(panels.size());
-  Camera camera(static_cast<double>(columns) / canvas.rows);
+  Camera camera(static_cast<double>(columns) / canvas.rows, is_cut);
   camera.fit(points);
   const double cut = is_cut ? -1e-9 * camera.distance : -std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < panels.size(); ++i)

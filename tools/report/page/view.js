@@ -98,6 +98,7 @@ void main() {
 }`;
 
 const LOOKS = {x: [-1, 0, 0], y: [0, -1, 0], z: [0, -0.0006, 1], home: [-1.05, -1.22, 0.72]};  // from where
+const BEFORE_SECTION = 2.5;  // how much more `home` looks along the axis that a section is across
 const MANY_CORNERS = 200000;
 const FIELD_OF_VIEW = 35;  // degrees, of the shorter side of a panel
 const NO_PLANE = [0, 0, 0, 0];
@@ -327,7 +328,8 @@ class Picture {
 
   // From one side, as near as shows all that is drawn (still.cpp does the same).
   look(where) {
-    const toward = new THREE.Vector3(...LOOKS[where]).normalize();
+    const across = where === "home" ? this.scenes.find((scene) => scene.axis !== null)?.axis ?? null : null;
+    const toward = new THREE.Vector3(...LOOKS[where].map((x, d) => d === across ? BEFORE_SECTION * x : x)).normalize();
     const right = new THREE.Vector3(0, 0, 1).cross(toward).normalize(), up = toward.clone().cross(right);
     const axes = [right, up, toward], low = [Infinity, Infinity, Infinity], high = low.map((x) => -x);
     const along = ({x, y, z}, a, b, c) => x * a + y * b + z * c;
