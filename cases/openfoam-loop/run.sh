@@ -16,23 +16,7 @@ declare -A values=([--levels]=levels)
 levels=3
 python=yes
 . "$(dirname -- "${BASH_SOURCE[0]}")/../start.sh"
-. "$root/cases/python.sh" mpi4py python3-mpi4py
-if ! command -v laplacianFoam >/dev/null; then
-  echo "$name: this case needs OpenFOAM's laplacianFoam and checkMesh (Debian: apt install openfoam)" >&2
-  exit 2
-fi
-if [ -z "${WM_PROJECT_DIR:-}" ] && [ -d /usr/share/openfoam/etc ]; then export WM_PROJECT_DIR=/usr/share/openfoam; fi
-
-step() { on_ranks /usr/bin/python3 -B -m mpi4py "$case_folder/step.py" "$@"; }
-foam() { # PROGRAM CASE LOG OPTIONS...
-  local program=$1 case=$2 log=$3
-  shift 3
-  if [ "$ranks" = 1 ]; then
-    "$program" -case "$case" "$@" >"$log" 2>&1
-  else
-    on_ranks "$program" -parallel -case "$case" "$@" >"$log" 2>&1
-  fi || { echo "$name: $program failed in $case; the end of $log:" >&2; tail -n 20 "$log" >&2; exit 1; }
-}
+. "$root/cases/openfoam.sh" laplacianFoam
 
 step start "$out"
 for level in $(seq 0 "$levels"); do
