@@ -126,8 +126,8 @@ view=(--patch sphere --patch symmetry_1 --camera -0.5,0.35,1 --up y --focus -0.6
 last=()
 for control in "${controls[@]}"; do last+=("$out/recorded/$control$levels.hdf"); done
 draw meshes.png pamr-picture "${last[@]}" "${view[@]}" --label none --label isotropic --label short-edge --label removable
-draw shapes.png pamr-picture "${last[@]}" "${view[@]}" --field mean_ratio --edges --range 0,1 --label none --label isotropic \
-  --label short-edge --label removable
+draw worst.png pamr-picture "${last[@]}" --cells 'mean_ratio<0.25' --patch sphere --camera -0.5,0.35,1 --up y --field mean_ratio --no-edges \
+  --range 0,0.7 --map magma --label none --label isotropic --label short-edge --label removable
 draw density.png pamr-picture "$out/own/removable$levels-flow.hdf" --patch symmetry_1 --camera z --up y --field n \
   --scale "$(awk "BEGIN { print 1 / $density }")" --title "n / n_inf" --log --range 0.2,10 --smooth 0 --isolines 1.05,1.5,2,3,4
 exit $status
