@@ -12,6 +12,8 @@
 #   --assess     the same for three meshes that the constant was not found from
 #   --out       where meshes go (default BUILD/bench/balance-out); they stay there for the next time
 #
+# Exit code 1 where Scotch's parts of such a mesh have more faces than the rule allows.
+#
 # Needs Python with h5py and numpy (PAMR_PYTHON, else python3) and, for the bodies meshed by it, Gmsh's Python module;
 # without that these are left out.
 set -euo pipefail
@@ -27,7 +29,7 @@ while [ $# -gt 0 ]; do
     --constant) mode=constant; shift ;;
     --assess) mode=assess; shift ;;
     --out) out=${2:?balance.sh: --out needs a folder}; shift 2 ;;
-    -h | --help) sed -n '3,18s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
+    -h | --help) sed -n '3,20s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
     -*) echo "balance.sh: unknown option $1 (see balance.sh --help)" >&2; exit 2 ;;
     *) build=$1; shift ;;
   esac

@@ -216,6 +216,42 @@ class Gas(InFolder):
         self.assert_fails(self.speed(0.01), "times the rate of SPARTA or more")
 
 
+class Ducts(InFolder):
+    """qualification/validation/ducts.py: what each row compares, without the runs."""
+
+    def row(self, found, bound):
+        self.write("one_row.py", f"""
+import pathlib, sys
+sys.path.append({str(ROOT / "qualification/validation")!r})
+sys.argv = ["ducts.py", {str(self.out)!r}, "1", "tube"]
+import ducts
+ducts.tube = lambda: ducts.row("tube", "transmission", 0.672, {found}, {bound})
+ducts.main()
+""")
+        return ended(self.out / "one_row.py")
+
+    def test_a_transmission_beyond_four_errors_or_with_a_wide_bar_is_refused(self):
+        self.assert_passes(self.row(0.6735, 0.0004))
+        self.assert_fails(self.row(0.68, 0.0004), "tube: transmission: expected 0.672 within 0.0021, found 0.68")
+        self.assert_fails(self.row(0.672, 0.01), "expected a bound of at most 0.0067, found 0.01")
+        self.assert_fails(self.row("float('nan')", 0.0004), "found nan")
+
+
+class CompactParts(InFolder):
+    """bench/balance/compare_with_compact.py with made-up rows of bench_balance."""
+
+    def compared(self, *ratios):
+        rows = "".join(f"| cube | {n + 2} | scotch | scotch | 9 | {ratio} | 3 | 1.0 | 1 | 1 |\n" for n, ratio in enumerate(ratios))
+        done = subprocess.run([sys.executable, "-B", str(ROOT / "bench/balance/compare_with_compact.py")], input=rows, capture_output=True,
+                              text=True)
+        return done.returncode, done.stdout + done.stderr
+
+    def test_parts_of_scotch_that_miss_the_rule_are_refused(self):
+        self.assert_passes(self.compared(1.1, 1.5))
+        self.assert_fails(self.compared(1.1, 1.51), "found 1.51 of cube")
+        self.assert_fails(self.compared(), "found none")
+
+
 class TablesAreRead(InFolder):
     def test_a_table_that_no_test_reads_is_named(self):
         self.write("studies/reproduce.sh", (ROOT / "studies/reproduce.sh").read_text())
