@@ -14,13 +14,18 @@
 #include "pamr/mesh/ghost_values.hpp"
 #include "pamr/mesh/level0_map.hpp"
 #include "pamr/mesh/rank_border.hpp"
+#include "pamr/par/exchange.hpp"
 
 namespace pamr::balance {
 
 namespace {
 
-/// Cells that a rank sends at once: bounds what lies in messages.
-constexpr std::size_t cells_of_round = std::size_t{1} << 18U;
+/// Cells that a rank sends at once, the same on every rank: an eighth of an even share, so that messages are small
+/// beside the mesh, within limits.
+std::size_t cells_of_round(const par::Comm& comm, const mesh::DistMesh& mesh) {
+  constexpr GlobalId least = 128, most = GlobalId{1} << 18U;
+  return at(std::clamp(mesh.info.n_global_cells / (8 * comm.size()), least, most));
+}
 
 void check_destinations(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<const Rank> destination,
                         const std::vector<std::uint8_t>* cell_byte) {
@@ -51,10 +56,7 @@ void exchange_pieces(const par::Comm& comm, const mesh::DistMesh& mesh, std::spa
                      PieceCutter& cutter, std::vector<LocalId> departing, std::vector<Piece>& pieces) {
   std::stable_sort(departing.begin(), departing.end(),
                    [&](LocalId a, LocalId b) { return destination[at(a)] < destination[at(b)]; });
-  const auto rounds = at(comm.max(static_cast<std::int64_t>((departing.size() + cells_of_round - 1) / cells_of_round)));
-  for (std::size_t round = 0; round < rounds; ++round) {
-    auto begin = std::min(round * cells_of_round, departing.size());
-    const auto end = std::min(begin + cells_of_round, departing.size());
+  par::in_rounds(comm, departing.size(), cells_of_round(comm, mesh), [&](std::size_t begin, std::size_t end) {
     std::vector<par::Outgoing<std::byte>> messages;
     while (begin < end) {
       const auto to = destination[at(departing[begin])];
@@ -65,7 +67,7 @@ void exchange_pieces(const par::Comm& comm, const mesh::DistMesh& mesh, std::spa
     }
     const auto arrived = comm.sparse_exchange(messages);
     for (std::size_t r = 0; r < arrived.rank.size(); ++r) pieces.push_back(unpack(arrived.from(r), mesh));
-  }
+  });
 }
 
 /// Cells beyond the border are on other ranks now; the rank's own are what they were. The border gets the order in

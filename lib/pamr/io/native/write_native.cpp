@@ -298,10 +298,19 @@ void write_local(const Job& job, const Target& target, Piece& piece) {
   }
 }
 
+/// Bytes of rows that travel at once, the same on every rank. A rank holds them some five times: on their way from it,
+/// on their way to it and in order. So they are a sixteenth of its share of the file, unless that is very little.
+std::size_t travelling_bytes(const Job& job) {
+  constexpr std::uint64_t least = std::uint64_t{64} << 10U;
+  const std::uint64_t most = job.options.slab_bytes;
+  const auto share = job.plan.data_bytes / static_cast<std::uint64_t>(job.comm.size());
+  return std::min({most, std::uint64_t{hdf5::max_transfer_bytes}, std::max(least, share / 16)});
+}
+
 /// Writes rows that travel, slab by slab. Collective.
 void write_travelling(const Job& job, const Target& target, Piece& piece) {
   const auto& rows = target.plan.rows;
-  const auto slab = target.rows_in(std::min<std::size_t>(job.options.slab_bytes, hdf5::max_transfer_bytes));
+  const auto slab = target.rows_in(travelling_bytes(job));
   GlobalId max_rows = 0;
   for (Rank rank = 0; rank < job.comm.size(); ++rank)
     max_rows = std::max(max_rows, rows_written(rows, rank, job.comm.size()).count());

@@ -25,7 +25,8 @@ struct WriteOptions {
   /// 2 have no place for that map: it is dropped. Format 1 has none for closure families other than 1:2 and 1:4, which
   /// are refused, nor for the ancestors that cells know, which are dropped.
   Exact<int> format = newest_format;
-  /// Largest piece that a rank writes at once, bytes; 2^30 at most.
+  /// Largest piece that a rank writes at once, bytes; 2^30 at most. Of rows that travel it is a sixteenth of a rank's
+  /// share of the file at most, but 2^16 bytes or more.
   Exact<std::size_t> slab_bytes = std::size_t{1} << 20U;
   /// Told what the format has no place for, on every rank alike. None: silence.
   std::function<void(const std::string& remark)> remark = {};
@@ -39,7 +40,7 @@ struct WriteOptions {
 ///   full, a value that does not fit the type of its field, cells that `validate::require_shapes` refuses); nothing is left behind then and an existing file stays as
 ///   it was.
 /// - Communication: rows travel to the rank that writes their part of the file; none of cells where the ranks hold runs
-///   of them in rank order. Memory: three slabs and 4 bytes a node.
+///   of them in rank order. Memory: five slabs and 12 bytes a node.
 void write_native(const par::Comm& comm, const std::filesystem::path& file, const mesh::DistMesh& mesh,
                   const WriteOptions& options = {});
 
