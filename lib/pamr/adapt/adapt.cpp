@@ -18,6 +18,7 @@
 #include "pamr/base/contract.hpp"
 #include "pamr/mesh/field.hpp"
 #include "pamr/refine/requests.hpp"
+#include "pamr/refine/transfer.hpp"
 #include "pamr/validate/validate.hpp"
 
 namespace pamr::adapt {
@@ -48,11 +49,22 @@ Closed close(const par::Comm& comm, TakenBack start, const Options& all_options,
   return closed;
 }
 
+/// Frees what nothing after the closure looks at, so that no room is taken by it and it need not move: the marks, and
+/// numbers of parents that the children's replace.
+mesh::DistMesh without_replaced_fields(mesh::DistMesh mesh, const Options& options) {
+  const auto& integrals = options.refinement.integrals;
+  std::erase_if(mesh.cell_fields, [&](const mesh::CellField& field) {
+    return !refine::is_inherited(field, options.refinement) && field.name != options.balancing.field &&
+           std::find(integrals.begin(), integrals.end(), field.name) == integrals.end();
+  });
+  return mesh;
+}
+
 /// Moves the parents to the ranks where their children shall be.
 Closed balance(const par::Comm& comm, Closed closed, const Options& options, StepTimer& timer) {
-  auto [parents, report] =
-      balance_parents(comm, {std::move(closed.mesh).take(), std::move(closed.borders), std::move(closed.closure)},
-                      closed.requests, options, timer);
+  auto mesh = without_replaced_fields(std::move(closed.mesh).take(), options);
+  auto [parents, report] = balance_parents(
+      comm, {std::move(mesh), std::move(closed.borders), std::move(closed.closure)}, closed.requests, options, timer);
   timer.lap("balance");
   closed.mesh = std::move(parents.mesh);
   closed.borders = std::move(parents.borders);

@@ -189,6 +189,10 @@ std::vector<LocalId> parents_of(const NumberedMesh& old, const std::vector<mesh:
   return parent;
 }
 
+bool is_inherited(const mesh::CellField& field, const Options& options) {
+  return field.name != options.marks_field && !(field.name == mesh::parent_field && options.parent_field);
+}
+
 std::vector<mesh::NodeField> transfer_to_nodes(const NumberedMesh& old, const Certificate& certificate) {
   std::vector<mesh::NodeField> fields;
   const mesh::NodeField* off_facets = nullptr;
@@ -214,8 +218,7 @@ Fields transfer(const NumberedMesh& old, const std::vector<mesh::CellNodes>& cel
 
   const auto parent = parents_of(old, cell_to_node);
   for (const auto& field : old.mesh.cell_fields)
-    if (field.name != options.marks_field && !mesh::is_inner_patch_field(field) &&
-        !(field.name == mesh::parent_field && options.parent_field))
+    if (is_inherited(field, options) && !mesh::is_inner_patch_field(field))
       fields.of_cells.push_back(to_cells(old, parent, field));
   if (options.parent_field) fields.of_cells.push_back(numbers_of(parent, old.mesh));
   return fields;

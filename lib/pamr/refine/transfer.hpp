@@ -34,6 +34,10 @@ struct Fields {
 Fields transfer(const NumberedMesh& old, const std::vector<mesh::CellNodes>& cell_to_node,
                 const Certificate& certificate, const Options& options);
 
+/// Whether `transfer` looks at this cell field of the old mesh: not at the marks, nor at numbers of parents that are
+/// replaced. Local.
+bool is_inherited(const mesh::CellField& field, const Options& options);
+
 /// The node fields alone. Local.
 std::vector<mesh::NodeField> transfer_to_nodes(const NumberedMesh& old, const Certificate& certificate);
 

@@ -34,8 +34,7 @@ LocalId place_in(const InputCells& input, LocalId cell) {
 }
 
 bool depends_on_parent(const mesh::CellField& field, const refine::Options& options) {
-  return field.holds_integers() && field.name != options.marks_field && !mesh::is_inner_patch_field(field) &&
-         !(field.name == mesh::parent_field && options.parent_field);
+  return field.holds_integers() && refine::is_inherited(field, options) && !mesh::is_inner_patch_field(field);
 }
 
 /// The number of an input cell, and its values of all integer fields that are handed on.
