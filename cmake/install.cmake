@@ -1,14 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # The library and its headers; tools and the Python package install themselves. Components are the packages of
-# cmake/packages.cmake.
+# packaging/debian: what programs need to run is in that of the tools.
 set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME dev)
 set(config_dir ${CMAKE_INSTALL_LIBDIR}/cmake/pamr)
-install(TARGETS pamr pamr_base pamr_geometry EXPORT pamr FILE_SET HEADERS)
+set(libraries EXPORT pamr LIBRARY COMPONENT tools NAMELINK_COMPONENT dev ARCHIVE COMPONENT dev)
+install(TARGETS pamr pamr_base pamr_geometry ${libraries} FILE_SET HEADERS)
 # Headers of the refiner's clients begin with their folder ("meshing/..."), which stands beside the refiner's modules.
+set(PAMR_PARTS refiner)
 foreach(client IN ITEMS meshing dsmc poisson_boltzmann)
   if(TARGET pamr_${client})
-    set_target_properties(pamr_${client} PROPERTIES EXPORT_NAME ${client})
-    install(TARGETS pamr_${client} EXPORT pamr FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/pamr)
+    list(APPEND PAMR_PARTS ${client})
+    install(TARGETS pamr_${client} ${libraries} FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/pamr)
   endif()
 endforeach()
 if(TARGET pamr_petsc_headers)
@@ -16,6 +18,7 @@ if(TARGET pamr_petsc_headers)
   install(TARGETS pamr_petsc_headers EXPORT pamr)
 endif()
 if(TARGET pamr_cad)
+  list(APPEND PAMR_PARTS cad)
   install(TARGETS pamr_cad LIBRARY DESTINATION ${PAMR_MODULE_DIR} COMPONENT tools)
 endif()
 if(TARGET pamr_dsmc)
@@ -27,18 +30,30 @@ install(DIRECTORY cases/moving-front DESTINATION ${CMAKE_INSTALL_DATADIR}/pamr/e
 install(EXPORT pamr NAMESPACE pamr:: DESTINATION ${config_dir} FILE pamrTargets.cmake)
 configure_package_config_file(cmake/pamrConfig.cmake.in ${CMAKE_CURRENT_BINARY_DIR}/pamrConfig.cmake
   INSTALL_DESTINATION ${config_dir})
-# For builds without CMake. MPI's own libraries are the compiler wrapper's business.
+
+# For builds without CMake. MPI's own libraries are the compiler wrapper's business; shared libraries know what they need.
 file(RELATIVE_PATH from_pkgconfig ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig ${CMAKE_INSTALL_PREFIX})
-set(scotch)
-if(PTScotch_FOUND)
-  set(scotch ${PTScotch_LIBRARY} ${PTScotch_SCOTCH_LIBRARY} ${PTScotch_BZ2_LIBRARY} ${PTScotch_LZMA_LIBRARY})
+if(BUILD_SHARED_LIBS)
+  set(kind shared)
+  set(requires)
+  set(link_flags "-Wl,-rpath,\${libdir}")
+else()
+  set(kind static)
+  set(requires "fmt pugixml tomlplusplus")
+  set(link_flags ${ParallelHDF5_LIBRARY})
+  if(PTScotch_FOUND)
+    list(APPEND link_flags ${PTScotch_LIBRARY} ${PTScotch_SCOTCH_LIBRARY} ${PTScotch_BZ2_LIBRARY} ${PTScotch_LZMA_LIBRARY}
+      -Wl,--exclude-libs,libptscotch.a:libscotch.a)
+  endif()
+  list(APPEND link_flags ${ZLIB_LIBRARIES} -lmpfr -lgmp -lm -lpthread ${CMAKE_DL_LIBS})
+  list(TRANSFORM link_flags REPLACE "^dl$" "-ldl")
+  if(TARGET pamr_cad)
+    list(APPEND link_flags "-Wl,-rpath,\${prefix}/${PAMR_MODULE_DIR}")
+  endif()
 endif()
-set(libraries ${ParallelHDF5_LIBRARY} ${scotch} ${ZLIB_LIBRARIES} -lmpfr -lgmp -lm -lpthread ${CMAKE_DL_LIBS}
-  -Wl,--exclude-libs,libptscotch.a:libscotch.a "-Wl,-rpath,\${prefix}/${PAMR_MODULE_DIR}")
-list(TRANSFORM libraries REPLACE "^dl$" "-ldl")
-list(JOIN libraries " " libraries)
+list(JOIN link_flags " " link_flags)
 configure_file(cmake/pamr.pc.in ${CMAKE_CURRENT_BINARY_DIR}/pamr.pc @ONLY)
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/pamr.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
-write_basic_package_version_file(${CMAKE_CURRENT_BINARY_DIR}/pamrConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+write_basic_package_version_file(${CMAKE_CURRENT_BINARY_DIR}/pamrConfigVersion.cmake COMPATIBILITY ${PAMR_COMPATIBILITY})
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/pamrConfig.cmake ${CMAKE_CURRENT_BINARY_DIR}/pamrConfigVersion.cmake
   cmake/FindParallelHDF5.cmake cmake/FindPTScotch.cmake cmake/mpi_family.cmake DESTINATION ${config_dir})

@@ -4,6 +4,7 @@
 ///
 ///     cmake -S PREFIX/share/pamr/examples -B build -DCMAKE_PREFIX_PATH=PREFIX && cmake --build build
 ///     mpirun -n 2 build/refine_loop loop.hdf
+///     ctest --test-dir build    # whether the installed PAMR works
 ///
 /// Try: another number of ranks (loop.hdf keeps its bytes), other marks, `surfaces` for the patch `wall`.
 #include <array>

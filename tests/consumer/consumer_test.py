@@ -118,6 +118,16 @@ class Consumer(unittest.TestCase):
             self.assertEqual(self.run_ok(sys.executable, "-c", "import pamr; print(pamr.__version__)", environment=environment).strip(),
                              version)
 
+    def test_components_that_were_not_built_are_refused_by_name(self):
+        (config,) = glob.glob(os.path.join(self.prefix, "lib*", "**", "pamrConfig.cmake"), recursive=True)
+        script = os.path.join(self.folder, "components.cmake")
+        with open(script, "w", encoding="utf-8") as file:
+            file.write("find_package(pamr REQUIRED COMPONENTS refiner hexahedra OPTIONAL_COMPONENTS prisms)\n")
+        result = subprocess.run([CMAKE, f"-Dpamr_DIR={os.path.dirname(config)}", "-P", script], cwd=self.folder,
+                                capture_output=True, text=True)
+        self.assertNotEqual(result.returncode, 0)
+        self.assertIn("expected a PAMR with hexahedra, found one that was built with refiner", " ".join(result.stderr.split()))
+
     def test_cad_files_are_read_where_pamr_is_installed(self):
         """By tools, programs of others and Python, all of which load a library to do so; none has it from the start."""
         if not glob.glob(os.path.join(self.prefix, "lib", "**", "libpamr_cad-*.so"), recursive=True):
@@ -180,17 +190,13 @@ class Consumer(unittest.TestCase):
             self.assertIn(f"nCells:{8 * 6 * 8 ** 3} ", text_of(cases[1], "constant", "polyMesh", "owner"))
             self.assertEqual(len(glob.glob(os.path.join(cases[1], "processor*"))), int(ranks))
 
-    def test_the_installed_example_gives_the_same_bytes_on_any_ranks(self):
+    def test_the_installed_example_and_its_tests(self):
         build = self.build(os.path.join(self.prefix, "share", "pamr", "examples"), "example")
-        files = []
-        for ranks in ("1", "3"):
-            out = self.run_ok(*MPIEXEC, ranks, os.path.join(build, "refine_loop"), "example.hdf")
-            self.assertIn("1296 -> ", out)
-            self.assertEqual(out.count("the probe is in cell"), 1)
-            with open(os.path.join(self.folder, "example.hdf"), "rb") as file:
-                files.append(file.read())
-        self.assertEqual(files[0], files[1])
-        self.tool("pamr-quality", "example.hdf", "--gate", "inverted_cells:max:0")
+        out = self.run_ok(os.path.join(os.path.dirname(CMAKE), "ctest"), "--test-dir", build, "--verbose")
+        self.assertEqual(out.count("1296 -> "), 2)  # on one rank and on two
+        self.assertEqual(out.count("the probe is in cell"), 2)
+        self.assertIn("same_bytes", out)
+        self.tool("pamr-quality", os.path.join(build, "loop.hdf"), "--gate", "inverted_cells:max:0")
         self.run_ok(*MPIEXEC, "2", os.path.join(build, "moving-front", "moving-front"), "--n", "2", "--levels", "1")
         self.assertIn("step,time,cells", text_of(self.folder, "history.csv"))
 
