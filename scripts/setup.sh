@@ -45,7 +45,7 @@ test_packages=(libgtest-dev libgmock-dev libbenchmark-dev python3-gmsh python3-h
   clang-format clang-tidy codespell) # the gates of .ci/run
 picture_packages=(python3-vtk9 python3-matplotlib python3-h5py python3-numpy python3-meshio xvfb) # pamr-picture
 manual_packages=(doxygen furo python3-breathe python3-myst-parser python3-sphinx)          # docs/build.sh
-packaging_packages=(debootstrap dpkg-dev file git help2man xz-utils)                        # scripts/package.sh
+packaging_packages=(debhelper debootstrap dh-python dpkg-dev file git help2man lintian xz-utils)  # scripts/package.sh
 
 only=
 with_tests=OFF
