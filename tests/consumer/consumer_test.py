@@ -118,6 +118,14 @@ class Consumer(unittest.TestCase):
             self.assertEqual(self.run_ok(sys.executable, "-c", "import pamr; print(pamr.__version__)", environment=environment).strip(),
                              version)
 
+    def test_each_tool_has_a_completion_and_a_man_page(self):
+        for tool in os.listdir(os.path.join(self.prefix, "bin")):
+            if not tool.startswith("pamr-"):
+                continue
+            self.assertIn(tool, text_of(self.prefix, "share", "bash-completion", "completions", tool))
+            if shutil.which("help2man"):
+                self.assertIn(".TH", text_of(self.prefix, "share", "man", "man1", f"{tool}.1"))
+
     def test_components_that_were_not_built_are_refused_by_name(self):
         (config,) = glob.glob(os.path.join(self.prefix, "lib*", "**", "pamrConfig.cmake"), recursive=True)
         script = os.path.join(self.folder, "components.cmake")
