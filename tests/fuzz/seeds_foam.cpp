@@ -99,7 +99,7 @@ void read_file(const par::Comm& comm, const std::filesystem::path& file) {
     const auto text = all.substr(begin + line.size());
     std::ofstream(io::foam_folder(folder) / part, std::ios::binary) << text.substr(0, text.find("//FILE "));
   }
-  validate::require_valid(comm, io::read_foam(comm, folder).mesh, folder.string());
+  validate::require_valid(comm, io::read_foam(comm, folder, {.split_prisms = true}).mesh, folder.string());
 }
 
 std::string seed_name(int i) { return "seed" + std::to_string(i) + ".foam"; }

@@ -46,6 +46,10 @@ void write_surface(const Comm& comm, const Path& file, const mesh::DistMesh& mes
   write_boundary(comm, file, mesh, o.patches);
 }
 
+ElementOptions elements_of(const Read& o, CellOrder order = CellOrder::curve) {
+  return {.repair = o.repair, .order = order, .split_prisms = o.split_prisms};
+}
+
 const std::vector<std::string_view> aerodynamic_kinds{"wall",     "symmetry", "symmetryPlane",
                                                       "farfield", "inflow",   "outflow"};
 
@@ -69,8 +73,7 @@ const std::vector<Format> table{
      .has_regions = true},
     {.name = "Gmsh",
      .endings = {".msh"},
-     .read = [](const Comm& comm, const Path& file,
-                const Read& o) { return read_gmsh(comm, file, {.repair = o.repair}); },
+     .read = [](const Comm& comm, const Path& file, const Read& o) { return read_gmsh(comm, file, elements_of(o)); },
      .write =
          [](const Comm& comm, const Path& file, const mesh::DistMesh& mesh, const Write& o) {
            auto how = o.gmsh;
@@ -89,8 +92,7 @@ const std::vector<Format> table{
      .has_text = true},
     {.name = "VTK",
      .endings = {".vtu"},
-     .read = [](const Comm& comm, const Path& file,
-                const Read& o) { return read_vtu(comm, file, {.repair = o.repair}); },
+     .read = [](const Comm& comm, const Path& file, const Read& o) { return read_vtu(comm, file, elements_of(o)); },
      .write = [](const Comm& comm, const Path& file, const mesh::DistMesh& mesh,
                  const Write& o) { write_vtu(comm, file, mesh, o.second_order); },
      .has_elements = true,
@@ -102,15 +104,15 @@ const std::vector<Format> table{
     {.name = "legacy VTK",
      .endings = {".vtk"},
      .read = [](const Comm& comm, const Path& file,
-                const Read& o) { return read_legacy_vtk(comm, file, {.repair = o.repair}); },
+                const Read& o) { return read_legacy_vtk(comm, file, elements_of(o)); },
      .write = nullptr,
      .has_elements = true},
     {.name = "Medit",
      .endings = {".mesh", ".meshb"},
      .read =
          [](const Comm& comm, const Path& file, const Read& o) {
-           if (is_mfem(comm, file)) return read_mfem(comm, file, {.repair = o.repair});  // both call it .mesh
-           return read_medit(comm, file, {{.repair = o.repair}, o.solution, o.field_names});
+           if (is_mfem(comm, file)) return read_mfem(comm, file, elements_of(o));  // both call it .mesh
+           return read_medit(comm, file, {elements_of(o), o.solution, o.field_names});
          },
      .write = [](const Comm& comm, const Path& file, const mesh::DistMesh& mesh,
                  const Write& o) { write_medit(comm, file, mesh, o.gmsh.interfaces); },
@@ -123,21 +125,18 @@ const std::vector<Format> table{
      .has_solutions = true},
     {.name = "MFEM",
      .endings = {".mfem"},
-     .read = [](const Comm& comm, const Path& file,
-                const Read& o) { return read_mfem(comm, file, {.repair = o.repair}); },
+     .read = [](const Comm& comm, const Path& file, const Read& o) { return read_mfem(comm, file, elements_of(o)); },
      .write = nullptr,
      .has_elements = true},
     {.name = "SU2",
      .endings = {".su2"},
-     .read = [](const Comm& comm, const Path& file,
-                const Read& o) { return read_su2(comm, file, {.repair = o.repair}); },
+     .read = [](const Comm& comm, const Path& file, const Read& o) { return read_su2(comm, file, elements_of(o)); },
      .write = [](const Comm& comm, const Path& file, const mesh::DistMesh& mesh,
                  const Write& o) { write_su2(comm, file, mesh, o.remark); },
      .has_elements = true},
     {.name = "UGRID",
      .endings = {".lb8.ugrid", ".b8.ugrid"},
-     .read = [](const Comm& comm, const Path& file,
-                const Read& o) { return read_ugrid(comm, file, {.repair = o.repair}); },
+     .read = [](const Comm& comm, const Path& file, const Read& o) { return read_ugrid(comm, file, elements_of(o)); },
      .write = [](const Comm& comm, const Path& file, const mesh::DistMesh& mesh,
                  const Write&) { write_ugrid(comm, file, mesh); },
      .has_elements = true,
@@ -146,8 +145,7 @@ const std::vector<Format> table{
      .file_beside = mapbc_file},
     {.name = "CGNS",
      .endings = {".cgns"},
-     .read = [](const Comm& comm, const Path& file,
-                const Read& o) { return read_cgns(comm, file, {.repair = o.repair}); },
+     .read = [](const Comm& comm, const Path& file, const Read& o) { return read_cgns(comm, file, elements_of(o)); },
      .write = [](const Comm& comm, const Path& file, const mesh::DistMesh& mesh,
                  const Write& o) { write_cgns(comm, file, mesh, o.remark); },
      .has_elements = true,
@@ -166,7 +164,7 @@ const std::vector<Format> table{
     {.name = "OpenFOAM",
      .endings = {""},
      .read = [](const Comm& comm, const Path& file,
-                const Read& o) { return read_foam(comm, file, {.repair = o.repair, .order = CellOrder::keep}); },
+                const Read& o) { return read_foam(comm, file, elements_of(o, CellOrder::keep)); },
      .write = [](const Comm& comm, const Path& file, const mesh::DistMesh& mesh,
                  const Write& o) { write_foam(comm, file, mesh, o.remark); },
      .has_elements = true,

@@ -23,6 +23,7 @@ namespace pamr::io {
 /// Options of the readers. Each heeds those that its format has.
 struct MeshReadOptions {
   Exact<bool> repair = true;                                   ///< see `ElementOptions`
+  Exact<bool> split_prisms = false;                            ///< likewise
   Exact<bool> build_surfaces = true;                           ///< see `ReadOptions`, of native files
   std::function<void(const std::string& remark)> remark = {};  ///< likewise
   std::filesystem::path solution = {};                         ///< see `MeditOptions`

@@ -44,12 +44,14 @@ class ConditionReader {
         if (on_elements) {
           for (const auto number : named.number) {
             if (const auto found = elements_.triangle_of.find(number); found != elements_.triangle_of.end())
-              triangles.push_back(found->second);
+              for (std::size_t k = 0; k < found->second.n; ++k) triangles.push_back(found->second.first + k);
             if (const auto found = elements_.cell_of.find(number); found != elements_.cell_of.end()) {
-              if (is_named_cell.insert(found->second).second)
-                elements_.group_of_cell[found->second] = name;
-              else if (elements_.group_of_cell[found->second] != name)
-                ++shared[{3, elements_.group_of_cell[found->second], name}];
+              const auto [first, n] = found->second;
+              const auto group = elements_.group_of_cell.begin() + static_cast<std::ptrdiff_t>(first);
+              if (is_named_cell.insert(first).second)
+                std::fill_n(group, n, name);
+              else if (*group != name)
+                ++shared[{3, *group, name}];
               has_cells = elements_.has_named_cells = true;
             }
           }

@@ -14,7 +14,11 @@ namespace pamr::io::cgns {
 
 /// Where the elements of a zone, by their numbers in the file, are in a mesh, and the groups that they are in.
 struct ZoneElements {
-  std::map<std::int64_t, std::size_t> cell_of, triangle_of;
+  /// The first of those that an element is, or was cut into, and their number.
+  struct Pieces {
+    std::size_t first = 0, n = 1;
+  };
+  std::map<std::int64_t, Pieces> cell_of, triangle_of;
   std::vector<std::string> group_of_cell;  ///< name of its section, or of a condition
   bool has_named_cells = false;            ///< by conditions
   std::map<std::string, std::int64_t> tag_of_name;

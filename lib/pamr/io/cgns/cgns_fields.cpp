@@ -37,7 +37,7 @@ mesh::Field vector_of(const Tree& tree, const std::string& name, const std::vect
 
 }  // namespace
 
-void read_solutions(const Tree& tree, const std::string& zone, std::int64_t n_nodes, WholeMesh& mesh) {
+void read_solutions(const Tree& tree, const std::string& zone, const ZoneSizes& sizes, WholeMesh& mesh) {
   for (const auto& solution : tree.children(zone, "FlowSolution_t")) {
     const auto location = tree.text(tree.child(solution.path, "GridLocation_t", true));
     const bool is_of_cells = location == "CellCenter";
@@ -47,7 +47,7 @@ void read_solutions(const Tree& tree, const std::string& zone, std::int64_t n_no
       continue;
     }
     auto& fields = is_of_cells ? mesh.cell_fields : mesh.node_fields;
-    const auto n = is_of_cells ? std::ssize(mesh.cell) : n_nodes;
+    const auto n = is_of_cells ? sizes.n_cells : sizes.n_nodes;
     if (const auto n_others = std::erase_if(
             arrays, [&](const Node& array) { return !tree.has_data(array) || tree.n_values(array) != n; });
         n_others > 0)

@@ -12,6 +12,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "pamr/base/error.hpp"
@@ -19,6 +20,7 @@
 #include "pamr/io/cgns/cgns_conditions.hpp"
 #include "pamr/io/cgns/cgns_fields.hpp"
 #include "pamr/io/cgns/cgns_nodes.hpp"
+#include "pamr/io/elements/cut_elements.hpp"
 #include "pamr/io/elements/whole_mesh.hpp"
 #include "pamr/io/text.hpp"
 
@@ -75,7 +77,7 @@ class ZoneReader {
     read_points();
     for (const auto& section : tree_.children(zone_, "Elements_t")) read_section(section);
     read_conditions(tree_, base_, zone_, elements_, mesh_);
-    read_solutions(tree_, zone_, n_nodes_, mesh_);
+    read_solutions(tree_, zone_, {n_nodes_, std::ssize(cells_)}, mesh_);
     set_regions();
     put_cells_in_order();
     count_others(base_, {"Zone_t", "Family_t"});
@@ -128,19 +130,40 @@ class ZoneReader {
 
   void keep(const Node& section, std::int64_t number, int type, const std::int64_t* nodes) {
     if (type == element_type::tetrahedron) {
-      elements_.cell_of[number] = mesh_.cell.size();
-      mesh_.cell.push_back({nodes[0] - 1, nodes[1] - 1, nodes[2] - 1, nodes[3] - 1});
-      number_of_cell_.push_back(number);
-      elements_.group_of_cell.push_back(section.name);
+      add_cells(section, number, {{{nodes[0] - 1, nodes[1] - 1, nodes[2] - 1, nodes[3] - 1}}});
+    } else if (type == element_type::prism || type == element_type::pyramid) {
+      ++mesh_.cut[type];
+      add_cells(section, number, tetrahedra_of(type, rows_of(nodes, type)));
+    } else if (type == element_type::quadrangle) {
+      ++mesh_.cut[type];
+      add_triangles(section, number, triangles_of(type, rows_of(nodes, type)));
     } else if (type == element_type::triangle) {
-      mesh_.triangle.push_back({nodes[0] - 1, nodes[1] - 1, nodes[2] - 1});
-      elements_.triangle_of[number] = mesh_.tag.size();
-      mesh_.tag.push_back(elements_.tag_of(section.name, mesh_));
+      add_triangles(section, number, {{{nodes[0] - 1, nodes[1] - 1, nodes[2] - 1}}});
     } else if (type == element_type::point || type == element_type::line) {
       ++mesh_.left_out[type == element_type::point ? "points" : "lines"];
     } else {
       ++mesh_.refused[type];
     }
+  }
+
+  static std::vector<std::int64_t> rows_of(const std::int64_t* nodes, int type) {
+    std::vector<std::int64_t> rows(nodes, nodes + n_nodes_of_type(type));
+    for (auto& row : rows) --row;
+    return rows;
+  }
+
+  /// The tetrahedra of one element.
+  void add_cells(const Node& section, std::int64_t number, const std::vector<std::array<std::int64_t, 4>>& pieces) {
+    cells_.push_back({number, {mesh_.cell.size(), pieces.size()}});
+    elements_.cell_of[number] = cells_.back().pieces;
+    mesh_.cell.insert(mesh_.cell.end(), pieces.begin(), pieces.end());
+    elements_.group_of_cell.insert(elements_.group_of_cell.end(), pieces.size(), section.name);
+  }
+
+  void add_triangles(const Node& section, std::int64_t number, const std::vector<std::array<std::int64_t, 3>>& pieces) {
+    elements_.triangle_of[number] = {mesh_.tag.size(), pieces.size()};
+    mesh_.triangle.insert(mesh_.triangle.end(), pieces.begin(), pieces.end());
+    mesh_.tag.insert(mesh_.tag.end(), pieces.size(), elements_.tag_of(section.name, mesh_));
   }
 
   /// Children that nothing is read of, by their labels: units, reference states, texts, ... Numbers that only order them
@@ -170,14 +193,27 @@ class ZoneReader {
 
   /// Values at cell centers follow the numbers of the elements, sections any order.
   void put_cells_in_order() {
-    std::vector<std::size_t> order(mesh_.cell.size());
-    for (std::size_t c = 0; c < order.size(); ++c) order[c] = c;
-    std::sort(order.begin(), order.end(), [&](auto a, auto b) { return number_of_cell_[a] < number_of_cell_[b]; });
-    auto cells = mesh_.cell;
-    for (std::size_t c = 0; c < order.size(); ++c) cells[c] = mesh_.cell[order[c]];
-    mesh_.cell = std::move(cells);
-    const auto regions = mesh_.region;
-    for (std::size_t c = 0; c < regions.size(); ++c) mesh_.region[c] = regions[order[c]];
+    std::stable_sort(cells_.begin(), cells_.end(), [](const auto& a, const auto& b) { return a.number < b.number; });
+    std::vector<std::size_t> order, row_of_piece;
+    for (std::size_t row = 0; row < cells_.size(); ++row)
+      for (std::size_t k = 0; k < cells_[row].pieces.n; ++k) {
+        order.push_back(cells_[row].pieces.first + k);
+        row_of_piece.push_back(row);
+      }
+    mesh_.cell = chosen(mesh_.cell, order, 1);
+    if (!mesh_.region.empty()) mesh_.region = chosen(mesh_.region, order, 1);
+    if (mesh_.cut.empty()) return;
+    for (auto& field : mesh_.cell_fields)  // each piece has the values of its element
+      std::visit([&](auto& values) { values = chosen(values, row_of_piece, at(field.n_components)); }, field.value);
+  }
+
+  template <class T>
+  static std::vector<T> chosen(const std::vector<T>& all, const std::vector<std::size_t>& rows, std::size_t width) {
+    std::vector<T> result;
+    result.reserve(rows.size() * width);
+    for (const auto row : rows)
+      for (std::size_t k = 0; k < width; ++k) result.push_back(all[row * width + k]);
+    return result;
   }
 
   const Tree& tree_;
@@ -185,7 +221,11 @@ class ZoneReader {
   WholeMesh mesh_;
   std::int64_t n_nodes_ = 0;
   int n_axes_ = 0;
-  std::vector<std::int64_t> number_of_cell_;
+  struct Cell {
+    std::int64_t number = 0;  ///< of the element in the file
+    ZoneElements::Pieces pieces;
+  };
+  std::vector<Cell> cells_;  ///< in the order of the file, then of their numbers
   ZoneElements elements_;
 };
 

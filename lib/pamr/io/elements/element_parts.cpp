@@ -3,6 +3,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
+#include "pamr/io/elements/cut_elements.hpp"
+
 namespace pamr::io {
 
 namespace {
@@ -58,6 +62,10 @@ int element_type::of_vtk(std::int64_t type) {
   }
 }
 
+void turn_prism_of_vtk(std::span<std::int64_t, 6> nodes) {
+  std::swap_ranges(nodes.begin(), nodes.begin() + 3, nodes.begin() + 3);
+}
+
 int n_nodes_of_type(int type) {
   if (type >= 1 && type <= 31) return nodes_of_type[static_cast<std::size_t>(type)];
   return type == 92 ? 64 : type == 93 ? 125 : 0;
@@ -108,13 +116,18 @@ std::string text_of_left_out(const std::map<std::string, std::int64_t>& counts) 
   return "left out was what a mesh has no place for: " + names;
 }
 
-void keep_element(ElementParts& parts, int type, const std::array<std::int64_t, 4>& nodes, std::int64_t group) {
-  if (type == 4)
-    parts.tetrahedron.push_back({nodes, group});
-  else if (type == 2)
+void keep_element(ElementParts& parts, int type, std::span<const std::int64_t, max_nodes> nodes, std::int64_t group) {
+  if (type == element_type::tetrahedron) {
+    parts.tetrahedron.push_back({{nodes[0], nodes[1], nodes[2], nodes[3]}, group});
+  } else if (type == element_type::triangle) {
     parts.triangle.push_back({{nodes[0], nodes[1], nodes[2]}, group});
-  else if (type != 1 && type != 15)
+  } else if (is_cut(type)) {
+    ++parts.cut[type];
+    for (const auto& cell : tetrahedra_of(type, nodes)) parts.tetrahedron.push_back({cell, group});
+    for (const auto& triangle : triangles_of(type, nodes)) parts.triangle.push_back({triangle, group});
+  } else if (type != element_type::line && type != element_type::point) {
     ++parts.refused[type];
+  }
 }
 
 }  // namespace pamr::io

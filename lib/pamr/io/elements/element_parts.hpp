@@ -2,9 +2,11 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <set>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -36,9 +38,12 @@ struct ElementParts {
   std::vector<geometry::Vec3> position;
   std::vector<TaggedTriangle> triangle;
   std::vector<TaggedTetrahedron> tetrahedron;
-  /// Elements of this rank that are no points, lines, triangles or tetrahedra of first order: how many, by the type
-  /// that Gmsh gives them (`element_type`).
+  /// Elements of this rank that are neither kept nor cut nor points or lines: how many, by the type that Gmsh gives them
+  /// (`element_type`).
   std::map<int, std::int64_t> refused;
+  /// Likewise prisms, pyramids and quadrangles of first order that are among the tetrahedra and triangles already
+  /// (`cut_elements.hpp`).
+  std::map<int, std::int64_t> cut = {};
   /// Names of groups by dimension and number.
   std::map<std::pair<int, std::int64_t>, std::string> group_name;
   /// Sets of groups that elements are in together, by dimension and the number of the group that stands for the set.
@@ -77,6 +82,10 @@ inline constexpr int line = 1, point = 15, triangle = 2, quadrangle = 3, tetrahe
 int of_vtk(std::int64_t type);
 }  // namespace element_type
 
+/// From VTK's order of a prism's nodes, whose first triangle is seen counter-clockwise from outside, to that of the
+/// others and back.
+void turn_prism_of_vtk(std::span<std::int64_t, 6> nodes);
+
 /// Nodes of an element of that type: 0 for a type that no Gmsh knows.
 int n_nodes_of_type(int type);
 /// The type in words.
@@ -85,8 +94,11 @@ std::string name_of_type(int type);
 /// The remark on what is left out, by name with a count each (`ElementParts::left_out`).
 std::string text_of_left_out(const std::map<std::string, std::int64_t>& counts);
 
-/// Keeps an element that is a triangle or a tetrahedron of first order, counts one that cannot be dealt with, and
-/// forgets points and lines.
-void keep_element(ElementParts& parts, int type, const std::array<std::int64_t, 4>& nodes, std::int64_t group);
+/// The most nodes of an element that is kept or cut.
+inline constexpr std::size_t max_nodes = 6;
+
+/// Keeps an element that is a triangle or a tetrahedron of first order, cuts prisms, pyramids and quadrangles into these
+/// (`tetrahedra_of` says the order of nodes), counts one that cannot be dealt with, and forgets points and lines.
+void keep_element(ElementParts& parts, int type, std::span<const std::int64_t, max_nodes> nodes, std::int64_t group);
 
 }  // namespace pamr::io

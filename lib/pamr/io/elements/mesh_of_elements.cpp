@@ -18,6 +18,7 @@
 #include "pamr/assemble/turn_inverted.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
+#include "pamr/io/elements/cut_elements.hpp"
 #include "pamr/io/text.hpp"
 #include "pamr/mesh/inner_patches.hpp"
 #include "pamr/mesh/region_faces.hpp"
@@ -32,22 +33,35 @@ namespace {
 
 using Triangle = std::array<GlobalId, 3>;
 
-/// What the file holds that cannot become a mesh of tetrahedra. Collective.
-void refuse_what_does_not_fit(const par::Comm& comm, const ElementParts& parts, const std::string& source) {
+/// The counts of all ranks that are not 0. Collective.
+std::map<int, std::int64_t> sum_of_counts(const par::Comm& comm, const std::map<int, std::int64_t>& here) {
   std::set<int> types;
-  for (const auto& [type, n] : parts.refused) types.insert(type);
-  std::string found;
+  for (const auto& [type, n] : here) types.insert(type);
+  std::map<int, std::int64_t> all;
   for (const int type : par::gather_distinct(comm, types)) {
-    const auto here = parts.refused.find(type);
-    const auto n = comm.sum(here == parts.refused.end() ? 0 : here->second);
-    if (n > 0) found += fmt::format("{}{} {}", found.empty() ? "" : ", ", n, name_of_type(type));
+    const auto own = here.find(type);
+    if (const auto n = comm.sum(own == here.end() ? 0 : own->second); n > 0) all[type] = n;
   }
+  return all;
+}
+
+/// What the file holds that cannot become a mesh of tetrahedra; `cut`: elements of all ranks that were cut. Collective.
+void refuse_what_does_not_fit(const par::Comm& comm, const ElementParts& parts, const std::string& source,
+                              const std::map<int, std::int64_t>& cut, Exact<bool> split_prisms) {
+  auto refused = sum_of_counts(comm, parts.refused);
+  const bool helps = refused.empty();
+  if (!split_prisms) refused.insert(cut.begin(), cut.end());
+  std::string found;
+  for (const auto& [type, n] : refused)
+    found += fmt::format("{}{} {}", found.empty() ? "" : ", ", n, name_of_type(type));
   const bool is_gmsh = source.ends_with(".msh'");
   if (!found.empty())
     throw Error(fmt::format(
         "{}: expected tetrahedra and triangles of first order (points and lines are left out), found {}{}", source,
         found,
-        found.find("order") != std::string::npos && is_gmsh ? " (gmsh -order 1 makes a mesh of first order)" : ""));
+        helps ? " (--split-prisms, in Python split_prisms=True, cuts prisms and pyramids into tetrahedra)"
+        : found.find("order") != std::string::npos && is_gmsh ? " (gmsh -order 1 makes a mesh of first order)"
+                                                              : ""));
   if (comm.sum(std::ssize(parts.tetrahedron)) > 0) return;
   const auto n_triangles = comm.sum(std::ssize(parts.triangle));
   const bool has_groups = comm.any(std::any_of(parts.triangle.begin(), parts.triangle.end(),
@@ -420,7 +434,8 @@ std::string source_of(const std::filesystem::path& file) { return fmt::format("f
 ElementMesh mesh_of_elements(const par::Comm& comm, ElementParts parts, const std::string& source,
                              const ElementOptions& options,
                              const std::function<mesh::Patch(std::int64_t group)>& patch_of_group) {
-  refuse_what_does_not_fit(comm, parts, source);
+  const auto cut = sum_of_counts(comm, parts.cut);
+  refuse_what_does_not_fit(comm, parts, source, cut, options.split_prisms);
   auto numbered = number(comm, parts, source, options.with_origin);
 
   ElementMesh result;
@@ -428,6 +443,8 @@ ElementMesh mesh_of_elements(const par::Comm& comm, ElementParts parts, const st
   result.n_periodic_links = parts.n_periodic_links;
   result.n_untagged_triangles = comm.sum(parts.n_untagged_triangles);
   result.why_empty = parts.why_empty;
+  result.cut = cut;
+  if (auto text = text_of_cut(cut); !text.empty()) result.notes.push_back(std::move(text));
   if (!parts.left_out.empty()) result.remarks.push_back(text_of_left_out(parts.left_out));
   const auto of_all = all_groups(comm, parts);
   result.unused_groups = unused_groups(comm, parts, of_all);
@@ -442,19 +459,20 @@ ElementMesh mesh_of_elements(const par::Comm& comm, ElementParts parts, const st
   boundary.node = std::move(numbered.triangle);
   auto block = block_of(comm, parts, numbered);
   parts.tetrahedron = {};
+  const auto* const of_cut = result.notes.empty() ? "" : " (a prism or pyramid that was cut may be flat or twisted)";
   with_source(source, [&] {
     par::agree(comm, [&] {
       for (const auto& field : block.cell_fields) mesh::require_inner_patches(field, 0);  // it is no field of ours
     });
     const auto [n_turned, n_flat] = assemble::orient(comm, block, options.repair);
-    if (n_flat > 0) throw Error(fmt::format("expected cells with a volume, found {} flat ones", n_flat));
+    if (n_flat > 0) throw Error(fmt::format("expected cells with a volume, found {} flat ones{}", n_flat, of_cut));
     result.n_turned = n_turned;
     assemble_in_order(comm, std::move(block), numbered, options, {result, boundary.node});
     if (const auto n_folds = count_folds(comm, result.mesh); n_folds > 0)
       throw Error(
           fmt::format("expected cells on either side of a face, found {} faces with two on one side: cells are "
-                      "folded over their neighbors",
-                      n_folds));
+                      "folded over their neighbors{}",
+                      n_folds, of_cut));
   });
   auto& patches = result.mesh.info.patches;
   for (const auto group : groups) patches.push_back(patch_of_group(group));

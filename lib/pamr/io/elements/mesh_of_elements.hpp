@@ -21,6 +21,8 @@ enum class CellOrder : std::uint8_t { automatic, keep, curve };
 struct ElementOptions {
   Exact<bool> repair = true;  ///< turn inverted cells over; else they are refused, where not all are
   CellOrder order = CellOrder::curve;
+  /// Take what prisms, pyramids and quadrangles were cut into (`cut_elements.hpp`); else they are refused.
+  Exact<bool> split_prisms = false;
   Exact<bool> with_origin = false;  ///< fill `node_origin`, and `cell_origin` of the mesh
 };
 
@@ -53,6 +55,7 @@ struct ElementMesh {
   std::vector<UnusedGroup> unused_groups;  ///< by dimension and number
   std::string why_empty;                   ///< see `ElementParts`
   std::vector<std::string> remarks;        ///< what else was changed or left out
+  std::map<int, std::int64_t> cut;         ///< prisms, pyramids and quadrangles that were cut, by `element_type`
   std::vector<std::string> notes;          ///< what lies beside the mesh and is no part of it: nothing strict refuses
   std::vector<GlobalId> node_origin;  ///< of each node of this rank its place among those given; with `with_origin`
 };

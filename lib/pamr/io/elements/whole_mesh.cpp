@@ -148,6 +148,7 @@ ElementParts to_parts(const par::Comm& comm, WholeMesh whole) {
   parts.has_regions = comm.any(!whole.region.empty());
   parts.has_signed_regions = true;
   parts.refused = std::move(whole.refused);
+  parts.cut = std::move(whole.cut);
   const auto scatter = [&](auto& rows, std::int64_t n, std::size_t width) {
     using T = typename std::remove_cvref_t<decltype(rows)>::value_type;
     std::vector<GlobalId> ids(rows.size() / width);
@@ -198,7 +199,7 @@ ElementMesh mesh_of_whole(const par::Comm& comm, const std::filesystem::path& fi
                                  [&](std::int64_t tag) { return patches.at(tag); });
   result.overlaps.insert(result.overlaps.begin(), overlaps.begin(), overlaps.end());
   result.remarks.insert(result.remarks.end(), remarks.begin(), remarks.end());
-  result.notes = std::move(notes);
+  result.notes.insert(result.notes.end(), notes.begin(), notes.end());
   return result;
 }
 

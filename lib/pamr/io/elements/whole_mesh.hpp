@@ -32,7 +32,7 @@ struct WholeMesh {
   std::vector<std::string> remarks;              ///< what else the reader has changed or left out, in one line each
   std::vector<std::string> notes;                ///< as in `ElementMesh`
   std::map<std::string, std::int64_t> left_out;  ///< as in `ElementParts`
-  std::map<int, std::int64_t> refused;           ///< as in `ElementParts`
+  std::map<int, std::int64_t> refused, cut;      ///< as in `ElementParts`
 };
 
 /// Makes a mesh of what the first rank reads, as `mesh_of_elements` does: `read` is called on that rank. Its `Error`

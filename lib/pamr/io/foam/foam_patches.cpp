@@ -10,6 +10,8 @@
 #include <string_view>
 
 #include "pamr/base/index.hpp"
+#include "pamr/io/elements/cut_elements.hpp"
+#include "pamr/io/elements/element_parts.hpp"
 #include "pamr/io/foam/foam_tokens.hpp"
 #include "pamr/io/text.hpp"
 #include "pamr/mesh/periodic_patches.hpp"
@@ -84,6 +86,18 @@ std::vector<mesh::Group> groups_of(const Entry& entry) {
 
 }  // namespace
 
+void add_face(const std::vector<std::int64_t>& nodes, std::int64_t tag, WholeMesh& mesh) {
+  if (nodes.size() == 3) {
+    mesh.triangle.push_back({nodes[0], nodes[1], nodes[2]});
+    mesh.tag.push_back(tag);
+  } else if (nodes.size() == 4) {
+    for (const auto& triangle : triangles_of(element_type::quadrangle, nodes)) {
+      mesh.triangle.push_back(triangle);
+      mesh.tag.push_back(tag);
+    }
+  }  // others are of cells that are counted
+}
+
 void read_patches(const std::filesystem::path& folder, const CaseFaces& faces, WholeMesh& mesh) {
   FoamFile in(folder / "boundary");
   const auto n = in.count(8, "patches"), n_faces = std::ssize(faces.nodes);
@@ -100,12 +114,7 @@ void read_patches(const std::filesystem::path& folder, const CaseFaces& faces, W
     if (entry.size > 0 && entry.type != "patch" && kind.empty())
       mesh.remarks.push_back(
           fmt::format("the type '{}' of the patch '{}' was left out", shown_text(entry.type), entry.name));
-    for (auto f = at(entry.start); f < at(entry.start + entry.size); ++f) {
-      const auto& node = faces.nodes[f];
-      if (node.size() != 3) continue;  // of a cell that is counted
-      mesh.triangle.push_back({node[0], node[1], node[2]});
-      mesh.tag.push_back(p);
-    }
+    for (auto f = at(entry.start); f < at(entry.start + entry.size); ++f) add_face(faces.nodes[f], p, mesh);
   }
   in.require(")");
 }

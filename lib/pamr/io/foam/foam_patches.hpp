@@ -15,6 +15,9 @@ struct CaseFaces {
   std::int64_t n_inner = 0;
 };
 
+/// Adds a face as triangles of that tag: of a quadrangle two, of faces of more corners none.
+void add_face(const std::vector<std::int64_t>& nodes, std::int64_t tag, WholeMesh& mesh);
+
 /// Patches of the file `boundary` with their triangles, kinds and groups (`inGroups`). A patch in groups is in one of its
 /// own name as well, unless `write_foam` called it `A+B` after them; the group that OpenFOAM itself gives to a patch, that of
 /// its type, says nothing new. Types that are no kinds, and other entries, are left out with a remark. Local. Throws

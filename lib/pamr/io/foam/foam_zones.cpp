@@ -65,7 +65,9 @@ FaceZone read_face_zone(FoamFile& in) {
 
 }  // namespace
 
-void read_cell_zones(const std::filesystem::path& folder, WholeMesh& mesh) {
+void read_cell_zones(const std::filesystem::path& folder, const std::vector<std::size_t>& first_of_cell,
+                     WholeMesh& mesh) {
+  const auto n_cells = std::ssize(first_of_cell) - 1;
   FoamFile in(folder / "cellZones");
   const auto zones = zones_of(in);
   mesh.region.assign(mesh.cell.size(), 0);
@@ -73,17 +75,16 @@ void read_cell_zones(const std::filesystem::path& folder, WholeMesh& mesh) {
   for (const auto& zone : zones) names.push_back(zone.name);
   const auto numbers = patch_numbers(names, "region_", 1);
   std::map<std::array<std::size_t, 2>, std::int64_t> n_in_both;
-  std::vector<std::size_t> zone_of(mesh.cell.size(), zones.size());
+  std::vector<std::size_t> zone_of(at(n_cells), zones.size());
   for (std::size_t z = 0; z < zones.size(); ++z) {
     if (names[z] != fmt::format("region_{}", numbers[z])) mesh.name_of_region[numbers[z]] = names[z];
     for (const auto cell : zones[z].cells) {
-      if (cell < 0 || cell >= std::ssize(mesh.cell))
-        in.fail(fmt::format("cells of zone '{}' from 0 to {}", names[z], std::ssize(mesh.cell) - 1),
-                fmt::format("{}", cell));
+      if (cell < 0 || cell >= n_cells)
+        in.fail(fmt::format("cells of zone '{}' from 0 to {}", names[z], n_cells - 1), fmt::format("{}", cell));
       auto& zone = zone_of[at(cell)];
       if (zone == zones.size()) {
         zone = z;
-        mesh.region[at(cell)] = numbers[z];
+        for (auto c = first_of_cell[at(cell)]; c < first_of_cell[at(cell) + 1]; ++c) mesh.region[c] = numbers[z];
       } else if (zone != z) {
         ++n_in_both[{zone, z}];
       }
@@ -108,9 +109,7 @@ void read_face_zones(const std::filesystem::path& folder, const CaseFaces& faces
         in.fail(fmt::format("faces of zone '{}' from 0 to {}", zone.name, n_faces - 1), fmt::format("{}", label));
       const auto& node = faces.nodes[at(label)];
       if (label >= faces.n_inner) ++n_outside;
-      if (label >= faces.n_inner || node.size() != 3) continue;
-      mesh.triangle.push_back({node[0], node[1], node[2]});
-      mesh.tag.push_back(entry->second);
+      if (label < faces.n_inner) add_face(node, entry->second, mesh);
     }
     if (is_new && (zone.faces.empty() || n_outside < std::ssize(zone.faces)))
       mesh.patch_of_tag[entry->second] = {zone.name, ""};

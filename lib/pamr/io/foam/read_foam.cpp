@@ -6,12 +6,14 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
+#include "pamr/io/elements/cut_elements.hpp"
 #include "pamr/io/elements/whole_mesh.hpp"
 #include "pamr/io/export/write_foam.hpp"
 #include "pamr/io/foam/foam_case.hpp"
@@ -67,7 +69,7 @@ class CaseReader {
           throw Error(fmt::format("face {}: expected nodes from 0 to {}, found {}", f, n_points - 1, node));
     make_cells();
     read_patches(folder_, faces_, mesh_);
-    if (is_present(folder_ / "cellZones") && mesh_.refused.empty()) read_cell_zones(folder_, mesh_);
+    if (is_present(folder_ / "cellZones") && mesh_.refused.empty()) read_cell_zones(folder_, first_of_cell_, mesh_);
     if (is_present(folder_ / "faceZones")) read_face_zones(folder_, faces_, mesh_);
     return std::move(mesh_);
   }
@@ -86,7 +88,11 @@ class CaseReader {
     std::vector<std::vector<std::size_t>> faces_of(at(n_cells));
     for (std::size_t f = 0; f < owner_.size(); ++f) faces_of[at(owner_[f])].push_back(f);
     for (std::size_t f = 0; f < neighbor_.size(); ++f) faces_of[at(neighbor_[f])].push_back(f);
-    for (std::size_t c = 0; c < faces_of.size(); ++c) make_cell(static_cast<std::int64_t>(c), faces_of[c]);
+    for (std::size_t c = 0; c < faces_of.size(); ++c) {
+      first_of_cell_.push_back(mesh_.cell.size());
+      make_cell(static_cast<std::int64_t>(c), faces_of[c]);
+    }
+    first_of_cell_.push_back(mesh_.cell.size());
   }
 
   void make_cell(std::int64_t cell, const std::vector<std::size_t>& own) {
@@ -100,7 +106,10 @@ class CaseReader {
                        : is_all && n_quads == 3 && n_triangles == 2 ? element_type::prism
                        : is_all && n_quads == 1 && n_triangles == 4 ? element_type::pyramid
                                                                     : element_type::polygon;
-      ++mesh_.refused[type];
+      if (is_cut(type))
+        cut_cell(cell, type, own);
+      else
+        ++mesh_.refused[type];
       return;
     }
     const auto& base = faces_.nodes[own[0]];
@@ -118,10 +127,43 @@ class CaseReader {
                                   : std::array{base[0], base[1], base[2], apex});
   }
 
+  /// A prism or a pyramid: over a triangle, or over the quadrangle, stand the nodes that the base does not have.
+  void cut_cell(std::int64_t cell, int type, const std::vector<std::size_t>& own) {
+    const std::size_t n_base = type == element_type::prism ? 3 : 4;
+    const auto at_base =
+        *std::find_if(own.begin(), own.end(), [&](std::size_t f) { return faces_.nodes[f].size() == n_base; });
+    auto nodes = faces_.nodes[at_base];
+    if (owner_[at_base] == cell) std::reverse(nodes.begin(), nodes.end());
+    const auto base = nodes;
+    const auto is_in_base = [&](std::int64_t node) { return std::find(base.begin(), base.end(), node) != base.end(); };
+    for (std::size_t corner = 0; corner < (n_base == 3 ? n_base : 1); ++corner) {
+      std::set<std::int64_t> above;  // neighbors of the corner in the other faces
+      for (const auto f : own) {
+        const auto& face = faces_.nodes[f];
+        const auto found = std::find(face.begin(), face.end(), base[corner]);
+        if (f == at_base || found == face.end()) continue;
+        const auto place = static_cast<std::size_t>(found - face.begin());
+        for (const auto step : {std::size_t{1}, face.size() - 1})
+          if (const auto node = face[(place + step) % face.size()]; !is_in_base(node)) above.insert(node);
+      }
+      nodes.insert(nodes.end(), above.begin(), above.end());
+    }
+    const std::set<std::int64_t> all(nodes.begin(), nodes.end());
+    const bool fits = std::all_of(own.begin(), own.end(), [&](std::size_t f) {
+      return std::all_of(faces_.nodes[f].begin(), faces_.nodes[f].end(), [&](auto node) { return all.contains(node); });
+    });
+    if (!fits || std::ssize(nodes) != n_nodes_of_type(type) || all.size() != nodes.size())
+      throw Error(fmt::format("cell {}: expected the faces of {}, found others", cell,
+                              type == element_type::prism ? "a prism" : "a pyramid"));
+    ++mesh_.cut[type];
+    for (const auto& piece : tetrahedra_of(type, nodes)) mesh_.cell.push_back(piece);
+  }
+
   fs::path folder_;
   WholeMesh mesh_;
   CaseFaces faces_;
   std::vector<std::int64_t> owner_, neighbor_;
+  std::vector<std::size_t> first_of_cell_;  ///< of each cell its first tetrahedron; at the end their number
 };
 
 }  // namespace

@@ -28,7 +28,7 @@ namespace {
 
 using gmsh::Parts;
 
-struct Format {
+struct MshFormat {
   double version = 0;
   bool is_binary = false;
 };
@@ -47,7 +47,7 @@ void read_beginning(TextCursor& in) {
   }
 }
 
-Format read_format(TextCursor& in) {
+MshFormat read_format(TextCursor& in) {
   read_beginning(in);
   const double version = in.real("the version of the format");
   const auto kind = in.integer("0 for text or 1 for binary"), size = in.integer("the size of a real");
@@ -68,7 +68,7 @@ Format read_format(TextCursor& in) {
 
 /// Collective.
 Parts read_parts(const par::Comm& comm, const std::filesystem::path& file) {
-  Format format;
+  MshFormat format;
   return read_shares(
       comm, file,
       [&](TextCursor& in) {

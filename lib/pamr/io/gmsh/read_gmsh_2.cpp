@@ -81,13 +81,17 @@ std::int64_t group_of(std::int64_t physical, std::int64_t entity) {
   return physical != 0 ? std::abs(physical) : -entity;
 }
 
-void keep(Parts& parts, int type, const std::array<std::int64_t, 4>& nodes, const std::array<std::int64_t, 2>& tag) {
+using Nodes = std::array<std::int64_t, max_nodes>;
+
+void keep(Parts& parts, int type, const Nodes& nodes, const std::array<std::int64_t, 2>& tag) {
   const auto group = group_of(tag[0], tag[1]);
-  if (type == element_type::triangle) parts.group_of_surface[tag[1]] = group;
+  const bool is_face = type == element_type::triangle || type == element_type::quadrangle;
+  const bool is_cell =
+      type == element_type::tetrahedron || type == element_type::prism || type == element_type::pyramid;
+  if (is_face) parts.group_of_surface[tag[1]] = group;
   if (group > 0 && (type == element_type::point || type == element_type::line))
     ++parts.n_in_group[{type == element_type::point ? 0 : 1, group}];
-  if (group > 0 && (type == element_type::triangle || type == element_type::tetrahedron))
-    parts.entity_in_group.insert({type == element_type::triangle ? 2 : 3, tag[1], group});
+  if (group > 0 && (is_face || is_cell)) parts.entity_in_group.insert({is_face ? 2 : 3, tag[1], group});
   keep_element(parts, type, nodes, group);
 }
 
@@ -101,10 +105,10 @@ void read_element_line(TextCursor& in, Parts& parts) {
     const auto value = in.integer("a tag");
     if (t < 2) tag[static_cast<std::size_t>(t)] = value;
   }
-  std::array<std::int64_t, 4> nodes{};
+  Nodes nodes{};
   for (int k = 0; k < n_nodes_of_type(type); ++k) {
     const auto node = in.integer("a node of an element");
-    if (k < 4) nodes[static_cast<std::size_t>(k)] = node;
+    if (k < std::ssize(nodes)) nodes[static_cast<std::size_t>(k)] = node;
   }
   keep(parts, type, nodes, tag);
   (void)in.line();
@@ -129,10 +133,10 @@ void read_binary_elements(TextCursor& in, Share share, Parts& parts) {
         const auto value = in.value<std::int32_t>("a tag");
         if (t < 2) tag[static_cast<std::size_t>(t)] = value;
       }
-      std::array<std::int64_t, 4> nodes{};
+      Nodes nodes{};
       for (int k = 0; k < n_nodes; ++k) {
         const auto node = in.value<std::int32_t>("a node of an element");
-        if (k < 4) nodes[static_cast<std::size_t>(k)] = node;
+        if (k < std::ssize(nodes)) nodes[static_cast<std::size_t>(k)] = node;
       }
       keep(parts, type, nodes, tag);
     }

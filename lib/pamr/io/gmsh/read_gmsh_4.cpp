@@ -161,10 +161,10 @@ void read_elements(Reader read, Share share, const Groups& groups, Parts& parts)
     read.skip(part.begin, width, "an element");
     for (auto i = part.begin; i < part.end; ++i) {
       (void)read.large("the number of an element");
-      std::array<std::int64_t, 4> nodes{};
+      std::array<std::int64_t, max_nodes> nodes{};
       for (int k = 0; k < n_nodes; ++k) {
         const auto node = read.large("a node of an element");
-        if (k < 4) nodes[static_cast<std::size_t>(k)] = node;
+        if (k < std::ssize(nodes)) nodes[static_cast<std::size_t>(k)] = node;
       }
       keep_element(parts, static_cast<int>(type), nodes, group);
       read.end_line();

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <set>
 #include <utility>
@@ -66,6 +67,8 @@ class MeshSections {
         for (auto& node : triangle.node) node = in_.integer("a node of a triangle");
         triangle.group = in_.integer("the reference of a triangle");
       });
+    } else if (keyword.code != gmf::tetrahedra) {
+      read_cut(keyword, n);
     } else {
       in_.rows(n, share_.of(n), {"tetrahedra", 0, 5}, [this](std::int64_t) {
         auto& cell = parts_.tetrahedron.emplace_back();
@@ -74,6 +77,19 @@ class MeshSections {
       });
       parts_.n_elements = n;
     }
+  }
+
+  /// Quadrilaterals, prisms and pyramids.
+  void read_cut(const gmf::KnownKeyword& keyword, std::int64_t n) {
+    const int type = keyword.code == gmf::prisms     ? element_type::prism
+                     : keyword.code == gmf::pyramids ? element_type::pyramid
+                                                     : element_type::quadrangle;
+    const int n_nodes = n_nodes_of_type(type);
+    in_.rows(n, share_.of(n), {keyword.name, 0, n_nodes + 1}, [&](std::int64_t) {
+      std::array<std::int64_t, max_nodes> nodes{};
+      for (int k = 0; k < n_nodes; ++k) nodes[static_cast<std::size_t>(k)] = in_.integer("a node of an element");
+      keep_element(parts_, type, nodes, in_.integer("the reference of an element"));
+    });
   }
 
   void read_vertices(std::int64_t n) {
@@ -185,6 +201,10 @@ ElementMesh read_medit(const par::Comm& comm, const std::filesystem::path& file,
     });
     parts.node_fields = std::move(fields.node_fields);
     parts.cell_fields = std::move(fields.cell_fields);
+    if (options.split_prisms && !parts.cell_fields.empty() && comm.any(!parts.cut.empty()))
+      throw Error(
+          fmt::format("{}: expected fields on vertices, found some on the tetrahedra of a mesh that has other elements",
+                      source_of(options.solution)));
     for (const auto& [name, n] : fields.left_out) parts.left_out[name] += n;
     name_fields(parts, options);
   }

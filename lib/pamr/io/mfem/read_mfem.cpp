@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "pamr/base/byte_order_mark.hpp"
+#include "pamr/io/elements/cut_elements.hpp"
 #include "pamr/io/elements/first_line.hpp"
 #include "pamr/io/elements/text_cursor.hpp"
 #include "pamr/io/elements/whole_mesh.hpp"
@@ -107,6 +108,16 @@ class MfemReader {
       } else if (type == element_type::triangle && of_boundary) {
         mesh_.triangle.push_back({nodes[0], nodes[1], nodes[2]});
         mesh_.tag.push_back(attribute);
+      } else if (is_cut(type) && of_boundary == (type == element_type::quadrangle)) {
+        ++mesh_.cut[type];
+        for (const auto& cell : tetrahedra_of(type, nodes)) {
+          mesh_.cell.push_back(cell);
+          mesh_.region.push_back(attribute);
+        }
+        for (const auto& triangle : triangles_of(type, nodes)) {
+          mesh_.triangle.push_back(triangle);
+          mesh_.tag.push_back(attribute);
+        }
       } else {
         ++mesh_.refused[type];
       }

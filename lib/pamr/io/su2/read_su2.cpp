@@ -128,17 +128,19 @@ class Su2Reader {
     in_.skip_lines(own.begin, "an element");
     for (auto i = own.begin; i < own.end; ++i) {
       const int type = gmsh_type(in_, in_.integer_in_line("the type of an element"));
-      std::array<std::int64_t, 4> nodes{};
+      std::array<std::int64_t, max_nodes> nodes{};
       for (int k = 0; k < n_nodes_of_type(type); ++k) {
         const auto node = in_.integer_in_line("a node of an element");
-        if (k < 4) nodes[static_cast<std::size_t>(k)] = node;
+        if (k < std::ssize(nodes)) nodes[static_cast<std::size_t>(k)] = node;
       }
       for (int k = 0; k < 2 && !in_.is_line_over(comment); ++k) (void)in_.integer_in_line("the number of an element");
       if (!in_.is_line_over(comment)) in_.fail("the end of the line after an element", "more numbers");
-      const bool fits = type == element_type::tetrahedron ? marker == 0
-                        : type == element_type::triangle  ? marker > 0
-                                                          : true;
-      if (!fits) in_.fail(marker > 0 ? "triangles in a marker" : "tetrahedra among the elements", name_of(type));
+      const bool is_face = type == element_type::triangle || type == element_type::quadrangle;
+      const bool is_cell =
+          type == element_type::tetrahedron || type == element_type::prism || type == element_type::pyramid;
+      if (type == element_type::prism) turn_prism_of_vtk(nodes);
+      if (marker > 0 ? is_cell : is_face)
+        in_.fail(marker > 0 ? "triangles in a marker" : "tetrahedra among the elements", name_of(type));
       keep_element(parts_, type, nodes, marker);
       (void)in_.line();
     }
@@ -146,7 +148,13 @@ class Su2Reader {
     return n;
   }
 
-  static const char* name_of(int type) { return type == element_type::triangle ? "a triangle" : "a tetrahedron"; }
+  static const char* name_of(int type) {
+    return type == element_type::triangle     ? "a triangle"
+           : type == element_type::quadrangle ? "a quadrangle"
+           : type == element_type::prism      ? "a prism"
+           : type == element_type::pyramid    ? "a pyramid"
+                                              : "a tetrahedron";
+  }
 
   void read_nodes(TextCursor& value) {
     parts_.n_nodes = in_.checked_count(value.integer_in_line("the number of points"), 6, "points");

@@ -4,9 +4,11 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 #include <set>
 #include <utility>
+#include <vector>
 
 #include "pamr/base/error.hpp"
 #include "pamr/io/elements/numbers.hpp"
@@ -36,18 +38,8 @@ class UgridReader {
     if (const auto more = static_cast<std::int64_t>(in_.remaining()) - (layout.bytes - Layout::head); more > 0)
       parts_.left_out["bytes behind the last array"] = more;
     read_nodes();
-    const auto own = share_.of(n_.triangles);
-    parts_.triangle.resize(static_cast<std::size_t>(own.count()));
-    rows(layout.triangles, own, 12);
-    for (auto& triangle : parts_.triangle)
-      for (auto& node : triangle.node) node = integer("a node of a triangle");
-    rows(layout.references, own, 4);
-    for (auto& triangle : parts_.triangle) triangle.group = integer("the surface of a triangle");
-    const auto own_cells = share_.of(n_.tetrahedra);
-    parts_.tetrahedron.resize(static_cast<std::size_t>(own_cells.count()));
-    rows(layout.tetrahedra, own_cells, 16);
-    for (auto& cell : parts_.tetrahedron)
-      for (auto& node : cell.node) node = integer("a node of a tetrahedron");
+    read_faces(layout);
+    read_cells(layout);
     return std::move(parts_);
   }
 
@@ -65,6 +57,48 @@ class UgridReader {
     in_.go_to(static_cast<std::uint64_t>(begin + own.begin * row_bytes), "rows");
   }
 
+  using Nodes = std::array<std::int64_t, max_nodes>;
+  Nodes nodes_of(int type) {
+    Nodes nodes{};
+    for (int k = 0; k < n_nodes_of_type(type); ++k)
+      nodes[static_cast<std::size_t>(k)] = integer("a node of an element");
+    return nodes;
+  }
+
+  void read_faces(const Layout& layout) {
+    const auto own = share_.of(n_.triangles), own_quadrangles = share_.of(n_.quadrangles);
+    parts_.triangle.resize(static_cast<std::size_t>(own.count()));
+    rows(layout.triangles, own, 12);
+    for (auto& triangle : parts_.triangle)
+      for (auto& node : triangle.node) node = integer("a node of a triangle");
+    std::vector<Nodes> quadrangles;
+    rows(layout.quadrangles, own_quadrangles, 16);
+    for (auto i = own_quadrangles.begin; i < own_quadrangles.end; ++i)
+      quadrangles.push_back(nodes_of(element_type::quadrangle));
+    rows(layout.references, own, 4);
+    for (auto& triangle : parts_.triangle) triangle.group = integer("the surface of a triangle");
+    rows(layout.references + 4 * n_.triangles, own_quadrangles, 4);
+    for (const auto& nodes : quadrangles)
+      keep_element(parts_, element_type::quadrangle, nodes, integer("the surface of a quadrangle"));
+  }
+
+  /// The apex of UGRID's pyramid is in the third place; the others are seen counter-clockwise from there as 2, 1, 4, 5.
+  void read_cells(const Layout& layout) {
+    const auto own = share_.of(n_.tetrahedra), pyramids = share_.of(n_.pyramids), prisms = share_.of(n_.prisms);
+    parts_.tetrahedron.resize(static_cast<std::size_t>(own.count()));
+    rows(layout.tetrahedra, own, 16);
+    for (auto& cell : parts_.tetrahedron)
+      for (auto& node : cell.node) node = integer("a node of a tetrahedron");
+    rows(layout.pyramids, pyramids, 20);
+    for (auto i = pyramids.begin; i < pyramids.end; ++i) {
+      const auto [a, b, apex, c, d, none] = nodes_of(element_type::pyramid);
+      keep_element(parts_, element_type::pyramid, Nodes{b, a, c, d, apex, none}, 0);
+    }
+    rows(layout.prisms, prisms, 24);
+    for (auto i = prisms.begin; i < prisms.end; ++i)
+      keep_element(parts_, element_type::prism, nodes_of(element_type::prism), 0);
+  }
+
   void read_head() {
     for (auto* count :
          {&n_.nodes, &n_.triangles, &n_.quadrangles, &n_.tetrahedra, &n_.pyramids, &n_.prisms, &n_.hexahedra}) {
@@ -76,11 +110,7 @@ class UgridReader {
     }
     parts_.n_nodes = n_.nodes;
     parts_.n_elements = n_.tetrahedra;
-    if (share_.rank != 0) return;
-    for (const auto& [n, type] :
-         {std::pair(n_.quadrangles, element_type::quadrangle), std::pair(n_.pyramids, element_type::pyramid),
-          std::pair(n_.prisms, element_type::prism), std::pair(n_.hexahedra, element_type::hexahedron)})
-      if (n > 0) parts_.refused[type] = n;
+    if (share_.rank == 0 && n_.hexahedra > 0) parts_.refused[element_type::hexahedron] = n_.hexahedra;
   }
 
   void read_nodes() {

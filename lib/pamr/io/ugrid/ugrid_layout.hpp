@@ -16,16 +16,18 @@ struct Counts {
 /// Grid File Type" (simcenter.msstate.edu).
 struct Layout {
   static constexpr std::int64_t head = std::int64_t{7} * 4;
-  std::int64_t triangles = 0, references = 0, tetrahedra = 0, pyramids = 0;
+  std::int64_t triangles = 0, quadrangles = 0, references = 0, tetrahedra = 0, pyramids = 0, prisms = 0;
   std::int64_t bytes = 0;  ///< without what may follow the cells
 };
 constexpr Layout layout_of(const Counts& n) {
   Layout layout;
   layout.triangles = Layout::head + 24 * n.nodes;
-  layout.references = layout.triangles + 12 * n.triangles + 16 * n.quadrangles;
+  layout.quadrangles = layout.triangles + 12 * n.triangles;
+  layout.references = layout.quadrangles + 16 * n.quadrangles;
   layout.tetrahedra = layout.references + 4 * (n.triangles + n.quadrangles);
   layout.pyramids = layout.tetrahedra + 16 * n.tetrahedra;
-  layout.bytes = layout.pyramids + 20 * n.pyramids + 24 * n.prisms + 32 * n.hexahedra;
+  layout.prisms = layout.pyramids + 20 * n.pyramids;
+  layout.bytes = layout.prisms + 24 * n.prisms + 32 * n.hexahedra;
   return layout;
 }
 

@@ -6,12 +6,14 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <span>
 #include <type_traits>
 #include <utility>
 
 #include "pamr/base/counted.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
+#include "pamr/io/elements/cut_elements.hpp"
 #include "pamr/io/elements/element_parts.hpp"
 #include "pamr/io/text.hpp"
 #include "pamr/mesh/region_faces.hpp"
@@ -40,7 +42,10 @@ constexpr std::array<TagArray, 12> tag_arrays{{{"boundary_patch"},
                                                {"avsucd:material"},
                                                {"CellEntityIds"}}};
 
-/// Rows of the tetrahedra and of the triangles among all cells.
+/// Of VTK, a rectangle whose nodes come row by row.
+constexpr std::int64_t pixel = 8;
+
+/// Rows of the tetrahedra and of the triangles among all cells, of what a cell was cut into the row of that cell.
 struct CellRows {
   std::vector<std::size_t> of_cells, of_triangles;
 };
@@ -48,7 +53,7 @@ struct CellRows {
 CellRows take_cells(const Grid& grid, WholeMesh& mesh) {
   CellRows rows;
   std::int64_t n_left_out = 0;
-  const auto take = [&](auto& row, std::size_t c) {
+  const auto take = [&](std::span<std::int64_t> row, std::size_t c) {
     const auto begin = c == 0 ? 0 : grid.ends[c - 1];
     if (grid.ends[c] - begin != std::ssize(row))
       throw Error(fmt::format("cell {}: expected {} nodes, found {}", c, row.size(), grid.ends[c] - begin));
@@ -67,6 +72,20 @@ CellRows take_cells(const Grid& grid, WholeMesh& mesh) {
     } else if (type == element_type::triangle) {
       take(mesh.triangle.emplace_back(), c);
       rows.of_triangles.push_back(c);
+    } else if (is_cut(type)) {
+      std::array<std::int64_t, max_nodes> nodes{};
+      take(std::span(nodes).first(at(n_nodes_of_type(type))), c);
+      if (type == element_type::prism) turn_prism_of_vtk(nodes);
+      if (grid.types[c] == pixel) std::swap(nodes[2], nodes[3]);
+      ++mesh.cut[type];
+      for (const auto& cell : tetrahedra_of(type, nodes)) {
+        mesh.cell.push_back(cell);
+        rows.of_cells.push_back(c);
+      }
+      for (const auto& triangle : triangles_of(type, nodes)) {
+        mesh.triangle.push_back(triangle);
+        rows.of_triangles.push_back(c);
+      }
     } else if (type == element_type::point || type == element_type::line) {
       ++n_left_out;
     } else {

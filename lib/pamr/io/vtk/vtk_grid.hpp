@@ -43,7 +43,8 @@ void name_patch(Grid& grid, std::string_view array, std::int64_t number);
 
 /// Tetrahedra as cells; triangles with the first integer array of those that PAMR, VTK and meshio use for it as tags,
 /// which are the regions of the tetrahedra too where the array is not PAMR's; other arrays as fields. Points and lines
-/// are left out with a remark, other cells counted as refused. Throws `Error`, without the name of the file.
+/// are left out with a remark, wedges, pyramids and quadrangles are cut, other cells counted as refused. Throws `Error`,
+/// without the name of the file.
 WholeMesh to_whole_mesh(const Grid& grid);
 
 }  // namespace pamr::io::vtk
