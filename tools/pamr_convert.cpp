@@ -58,6 +58,7 @@ void write(const cli::Session& session, const Options& options, const mesh::Dist
 convert::ReadRequest read_request(const Options& options) {
   return {.file = options.input,
           .strict = options.strict,
+          .split_prisms = options.split_prisms,
           .build_surfaces = convert::asks_for_surfaces(options),
           .solution = options.solution_in,
           .field_names = options.solution_in.empty() ? std::vector<std::string>() : options.solution_fields};

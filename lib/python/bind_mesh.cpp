@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -15,6 +16,8 @@
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/io/elements/boundary_rows.hpp"
+#include "pamr/io/elements/cut_elements.hpp"
+#include "pamr/io/elements/element_parts.hpp"
 #include "pamr/io/elements/element_remarks.hpp"
 #include "pamr/io/export/write_foam.hpp"
 #include "pamr/io/foam/foam_order.hpp"
@@ -105,8 +108,25 @@ std::tuple<SharedMesh, std::int64_t, std::vector<std::string>> from_arrays(std::
   return {std::move(made.mesh), made.n_turned, std::move(made.remarks)};
 }
 
+/// What elements of one type, by its name in meshio, are cut into: tetrahedra, four nodes each, or triangles, three each,
+/// those of an element together.
+Array<std::int64_t> cut_elements(const std::string& kind, const Array<std::int64_t>& given) {
+  const int type = kind == "wedge"     ? io::element_type::prism
+                   : kind == "pyramid" ? io::element_type::pyramid
+                                       : io::element_type::quadrangle;
+  const auto width = static_cast<std::size_t>(io::n_nodes_of_type(type));
+  const std::span<const std::int64_t> all(given.data(), static_cast<std::size_t>(given.size()));
+  std::vector<std::int64_t> flat;
+  for (std::size_t begin = 0; begin + width <= all.size(); begin += width) {
+    const auto nodes = all.subspan(begin, width);
+    for (const auto& cell : io::tetrahedra_of(type, nodes)) flat.insert(flat.end(), cell.begin(), cell.end());
+    for (const auto& face : io::triangles_of(type, nodes)) flat.insert(flat.end(), face.begin(), face.end());
+  }
+  return Array<std::int64_t>(static_cast<py::ssize_t>(flat.size()), flat.data());
+}
+
 std::pair<SharedMesh, std::vector<std::string>> read(std::uintptr_t address, const std::filesystem::path& file,
-                                                     bool repair, bool strict) {
+                                                     bool repair, bool strict, bool split_prisms) {
   auto result = std::make_shared<PythonMesh>();
   result->comm = comm_at(address);
   const auto& comm = *result->comm;
@@ -116,7 +136,7 @@ std::pair<SharedMesh, std::vector<std::string>> read(std::uintptr_t address, con
     remarks.push_back(text);
   };
   const auto& format = io::format_to_read(file);
-  auto read = format.read(comm, file, {.repair = repair && !strict, .remark = tell});
+  auto read = format.read(comm, file, {.repair = repair && !strict, .split_prisms = split_prisms, .remark = tell});
   validate::require_valid(comm, read.mesh, file.string());
   if (strict) io::refuse_changes(read, io::source_of(file));
   if (!format.is_native)
@@ -351,6 +371,7 @@ void bind_mesh(py::module_& module) {
       .def_readwrite("joint", &Given::joint)
       .def_readwrite("has_boundary", &Given::has_boundary);
   module.def("from_arrays", from_arrays);
+  module.def("cut_elements", cut_elements);
   module.def("read", read, py::call_guard<py::gil_scoped_release>());
   module.def("other_foam_faces", other_foam_faces, py::call_guard<py::gil_scoped_release>());
   module.def("tags_of_patches", [](const std::vector<std::string>& names, const std::vector<std::int64_t>& numbers) {

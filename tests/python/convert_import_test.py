@@ -692,7 +692,7 @@ def test_bad_files_of_the_other_readers_are_refused_with_the_place():
             (legacy("POINTS 4 double", "POINTS 4 dubel"), ["line 5", '"dubel"']), (legacy("POINTS 4", "POINTS 5"), ['"CELLS"']),
             (legacy("ASCII", "HEX"), ["ASCII or BINARY"]), (legacy("CELLS 5 21", "CELLS 6 21"), ["expected 6 cells"]),
             (legacy("4 0 1 2 3\n", "9 0 1 2 3\n"), ["cell 0", "expected 4 nodes, found 9"]), (legacy("3 1 2 3\n", "3 1 2 7\n"), ["cell 4", "found 7"]),
-            (legacy("CELL_TYPES 5\n10\n", "CELL_TYPES 5\n13\n"), ["1 prisms"]), (legacy("CELL_TYPES 5\n10\n", "CELL_TYPES 5\n99\n"), ["found 99"]),
+            (legacy("CELL_TYPES 5\n10\n", "CELL_TYPES 5\n13\n"), ["cell 0: expected 6 nodes, found 4"]), (legacy("CELL_TYPES 5\n10\n", "CELL_TYPES 5\n99\n"), ["found 99"]),
             (legacy("CELL_DATA 5", "CELL_DATA 4"), ["expected 5 values"]), (legacy("SCALARS", "SCALES"), ["keyword", '"scales"']),
             (("bad.su2", SU2.replace("wall", "wa\tll")), ["name of patch", "'wa?ll'", "tabs"]),
             (("bad.msh", MSH.replace('"gas"', '"g\tas"')), ["line 8", "control characters", "group 7"]),

@@ -47,6 +47,53 @@ def test_what_is_no_tetrahedral_mesh_is_refused_everywhere():
         assert "on rank 0 alone" in error_of(lambda: pamr.from_meshio(COMM, tagged()))
 
 
+def layer():
+    """The unit cube as two wedges, with a pyramid on x = 1; two quads and the floor are tagged."""
+    import meshio
+    points = np.concatenate([POINTS, [(1.5, 0.5, 0.5)]])
+    return meshio.Mesh(points, [("quad", [[0, 1, 5, 4], [2, 6, 7, 3]]), ("wedge", [[0, 1, 3, 4, 5, 7], [0, 3, 2, 4, 7, 6]]),
+                                ("triangle", FLOOR), ("pyramid", [[1, 3, 7, 5, 8]])],
+                       cell_data={"gmsh:physical": [[4, 5], [7, 7], [6, 6], [8]], "mark": [[0, 0], [1.5, 2.5], [0, 0], [3.5]]},
+                       cell_sets={"half": [np.array([], int), np.array([1]), None, None]},
+                       field_data={"y0": np.array([4, 2]), "y1": np.array([5, 2]), "floor": np.array([6, 2]), "gas": np.array([7, 3])})
+
+
+def volumes(mesh):
+    p = mesh.points[mesh.cells]
+    return np.einsum("ij,ij->i", np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]), p[:, 3] - p[:, 0]) / 6
+
+
+def area_of(mesh, patch):
+    faces = mesh.boundary_faces()
+    p = mesh.points[faces.nodes[faces.patches == mesh.patches.index(patch)]]
+    return COMM.allreduce(np.linalg.norm(np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]), axis=1).sum() / 2)
+
+
+def test_wedges_pyramids_and_quads_are_cut_on_request():
+    mesh, told = taken(layer(), split_prisms=True)
+    assert mesh.n_cells == 8 and mesh.n_turned == 0 and told == [], told
+    volume, mark, region = volumes(mesh), mesh.cell_fields["mark"], mesh.cell_fields["region"]
+    for value, expected in ((1.5, 0.5), (2.5, 0.5), (3.5, 0.5 / 3)):
+        assert abs(COMM.allreduce(volume[mark == value].sum()) - expected) < 1e-14, value
+    joint = next(number for number, name in mesh.regions.items() if name == "gas+half")
+    for number, expected in ((7, 1.5), (joint, 2.5), (8, 3.5)):
+        assert set(np.concatenate(COMM.allgather(mark[region == number]))) == {expected}
+    for patch in ("y0", "y1", "floor"):
+        assert abs(area_of(mesh, patch) - 1) < 1e-14, patch
+    text = refused(layer())
+    assert "found 1 of type pyramid, 2 of type quad, 2 of type wedge (split_prisms=True cuts" in text, text
+
+
+@in_folder
+def test_files_with_prisms_are_cut_on_request():
+    if COMM.rank == 0:
+        layer().write("layer.mesh", file_format="medit")
+    COMM.barrier()
+    assert "2 prisms, 1 pyramids (--split-prisms, in Python split_prisms=True" in error_of(lambda: pamr.Mesh.read(COMM, "layer.mesh"))
+    mesh = pamr.Mesh.read(COMM, "layer.mesh", split_prisms=True)
+    assert mesh.n_cells == 8 and abs(COMM.allreduce(volumes(mesh).sum()) - 7 / 6) < 1e-14
+
+
 def taken(mesh, **options):
     """The mesh of one of meshio, and what was said, but for the count of faces without a tag, which has to be right."""
     with warnings.catch_warnings(record=True) as told:

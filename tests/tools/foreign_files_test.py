@@ -186,7 +186,7 @@ def test_vtu_files_that_lie_are_refused():
         "short": (good[:len(good) // 2], []),
         "cells": (good.replace('NumberOfCells="9"', 'NumberOfCells="10"'), ["expected 10 values"]),
         "many": (good.replace('NumberOfPoints="9"', 'NumberOfPoints="99999999999999"'), ["99999999999999 points"]),
-        "wedge": (wedge, ["1 prisms"]),
+        "wedge": (wedge, ["expected 6 nodes, found 4"]),
         "word": (good.replace("\n10\n", "\nten\n", 1), ["expected numbers"]),
         "kind": (good.replace("UnstructuredGrid", "PolyData"), ["expected UnstructuredGrid"]),
         "html": ("<html><body></body></html>", ["expected a file of VTK"]),

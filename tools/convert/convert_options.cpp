@@ -170,6 +170,9 @@ void declare(cli::CommandLine& line, Options& options) {
   line.flag("--weld", options.weld,
             "join boundary nodes that lie in one place (parts that were meshed apart, cells with nodes of their own): "
             "the faces between them become inner ones");
+  line.flag("--split-prisms", options.split_prisms,
+            "cut prisms and pyramids of IN into three and two tetrahedra, quadrangles into triangles, instead of "
+            "refusing them");
   line.flag("--strict", options.strict,
             "make an error of each warning about what IN holds or lacks, and repair nothing");
   line.flag("--as-level-0", options.as_level0,
@@ -205,6 +208,8 @@ std::string check_files(cli::Session& session, const Options& options) {
   require_known(options, options.order == 2, "--order 2", &io::Format::has_second_order);
   if (as_boundary && !options.surface_files.empty())
     throw Error("--surface: expected a mesh to write, found a boundary: " + options.output);
+  if (options.split_prisms && options.from->is_native)
+    throw Error("--split-prisms: expected a mesh of another program, found '" + options.input + "'");
   if (options.repair && options.no_repair) throw Error("expected --repair or --no-repair, found both");
   if (options.surfaces.empty() && !options.ties.empty())
     throw Error("--tie: expected --surfaces beside it, found none");

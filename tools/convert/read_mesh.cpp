@@ -15,6 +15,7 @@
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/geometry/scaled_surfaces.hpp"
+#include "pamr/io/elements/element_parts.hpp"
 #include "pamr/io/elements/element_remarks.hpp"
 #include "pamr/io/formats.hpp"
 #include "pamr/mesh/find_patches.hpp"
@@ -42,6 +43,7 @@ mesh::DistMesh read_mesh(cli::Session& session, const ReadRequest& request, nloh
   const auto& format = io::format_to_read(request.file);
   auto read = format.read(session.comm(), request.file,
                           {.repair = !request.strict,
+                           .split_prisms = request.split_prisms,
                            .build_surfaces = request.build_surfaces,
                            .remark = request.strict ? refuse : session.remarks(),
                            .solution = request.solution,
@@ -59,6 +61,8 @@ mesh::DistMesh read_mesh(cli::Session& session, const ReadRequest& request, nloh
     for (const auto& group : read.unused_groups)
       unused.push_back({{"dimension", group.dimension}, {"name", group.name}, {"elements", group.n_elements}});
     report["periodic_links"] = read.n_periodic_links;
+    auto& cut = report["cut_elements"] = nlohmann::json::object();
+    for (const auto& [type, n] : read.cut) cut[io::name_of_type(type)] = n;
   }
   report["untagged_faces"] = read.n_untagged_faces;
   report["turned_cells"] = read.n_turned;

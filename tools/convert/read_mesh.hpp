@@ -13,6 +13,7 @@ namespace pamr::convert {
 struct ReadRequest {
   std::string file;
   bool strict = false;                   ///< what would be reported is an error
+  bool split_prisms = false;             ///< `io::ElementOptions::split_prisms`
   bool build_surfaces = false;           ///< of a native file
   std::string solution;                  ///< .sol or .solb beside a Medit mesh; empty: none
   std::vector<std::string> field_names;  ///< of its fields

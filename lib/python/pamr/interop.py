@@ -10,12 +10,12 @@ import numpy as np
 from . import _core
 from ._core import Error
 from .mesh import Mesh
-from .meshio_parts import Parts, parts_of
+from .meshio_parts import Parts, parts_of, without_prisms
 from .together import agree, integers
 
 
 def from_meshio(comm: Any, mesh: Any, tags: Optional[str] = None, names: Optional[Mapping[int, str]] = None, *,
-                repair: bool = True) -> Mesh:
+                repair: bool = True, split_prisms: bool = False) -> Mesh:
     """A mesh from a ``meshio.Mesh`` on rank 0 (None on the others): its tetrahedra, its triangles as patches, and its point and cell
     data as fields. Collective.
 
@@ -24,6 +24,8 @@ def from_meshio(comm: Any, mesh: Any, tags: Optional[str] = None, names: Optiona
         "region" come before cell sets).
     names: of the tags; default: those of the file's physical surfaces (``field_data``).
     repair: as in ``Mesh.from_arrays``.
+    split_prisms: cut cells of type "wedge" and "pyramid" into tetrahedra, and those of type "quad" into triangles: these have the
+        data of the cells, and are in their cell sets. Wedges have Gmsh's order of corners.
     An element in several groups or cell sets is in a patch or region "A+B", which keeps them (``patch_groups``).
     Points and lines, and points of no tetrahedron, are left out. A Python warning on rank 0 counts what is, but for points and
     lines. Cells of other kinds raise pamr.Error.
@@ -35,7 +37,7 @@ def from_meshio(comm: Any, mesh: Any, tags: Optional[str] = None, names: Optiona
             return None, bool(repair)
         if not hasattr(mesh, "cells") or not hasattr(mesh, "cell_sets"):
             raise Error(f"from_meshio: expected a meshio.Mesh, found {type(mesh).__name__}")
-        return parts_of(mesh, tags, names), bool(repair)
+        return parts_of(without_prisms(mesh) if split_prisms else mesh, tags, names), bool(repair)
     parts = agree(comm, prepare)
     shape = comm.bcast(None if parts is None else (parts.names, parts.regions, _outline(parts.cell_fields),
                                                    _outline(parts.node_fields), parts.joint))

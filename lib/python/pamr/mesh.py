@@ -199,17 +199,20 @@ class Mesh:
     n_turned: int = 0
 
     @staticmethod
-    def read(comm: Any, file: Union[str, os.PathLike], repair: bool = True, strict: bool = False) -> "Mesh":
+    def read(comm: Any, file: Union[str, os.PathLike], repair: bool = True, strict: bool = False,
+             split_prisms: bool = False) -> "Mesh":
         """A mesh from a file: .hdf or .vtkhdf (of any number of ranks, of PAMR or another program), or in any other format that
         pamr-convert reads. What is odd and does no harm, and what is left out, is a Python warning on rank 0. Collective.
 
         repair: turn inverted cells of other programs over, with a warning that counts them. Without it they are refused, unless
             all cells are inverted.
         strict: what would be a warning raises pamr.Error, as with ``pamr-convert --strict``.
+        split_prisms: cut prisms and pyramids of other programs into tetrahedra, and quadrangles into triangles, which raise
+            pamr.Error otherwise.
         """
         require_comm(comm)
-        path, repair, strict = agree(comm, lambda: 2 * ((path_of(file), bool(repair), bool(strict)),))
-        core, remarks = _core.read(_address(comm), path, repair, strict)
+        given = agree(comm, lambda: 2 * ((path_of(file), bool(repair), bool(strict), bool(split_prisms)),))
+        core, remarks = _core.read(_address(comm), *given)
         if comm.rank == 0:
             for remark in remarks:
                 warnings.warn(remark, stacklevel=2)

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass, field
+from types import SimpleNamespace
 from typing import Any, Mapping, Optional
 
 import numpy as np
 
+from . import _core
 from ._core import Error
 from .together import integers, plain, reals, require_shape
 
@@ -19,6 +21,10 @@ PREFIX = {PHYSICAL: "physical_", ENTITY: "surface_", "medit:ref": "ref_", "ugrid
 REGION = "region"
 # Of the files that PAMR writes: numbers of patches, whose names stand in field data.
 OWN_TAGS, OWN_NAMES = ("boundary_patch", "patch"), "patch "
+
+
+#: Nodes of the cells that are cut, what they become, and how many.
+CUT = {"wedge": (6, "tetra", 3), "pyramid": (5, "tetra", 2), "quad": (4, "triangle", 2)}
 
 
 @dataclass
@@ -50,6 +56,29 @@ class Group:
 
     def name(self, tag: int) -> str:
         return self.names.get(tag, f"{self.prefix}{tag}")
+
+
+def without_prisms(mesh: Any) -> Any:
+    """The same mesh, with tetrahedra for wedges and pyramids and triangles for quads. Wedges have Gmsh's order of corners."""
+    blocks, data = [], {name: list(arrays) for name, arrays in mesh.cell_data.items()}
+    sets = {name: list(arrays) for name, arrays in mesh.cell_sets.items()}
+    for i, block in enumerate(mesh.cells):
+        if block.type not in CUT:
+            blocks.append(block)
+            continue
+        n_nodes, kind, n_pieces = CUT[block.type]
+        nodes = integers(block.type, plain(block.type, block.data), (None, n_nodes))
+        flat = _core.cut_elements(block.type, nodes)
+        blocks.append(SimpleNamespace(type=kind, data=flat.reshape(-1, 4 if kind == "tetra" else 3)))
+        for name, arrays in data.items():
+            if i < len(arrays):
+                arrays[i] = np.repeat(plain(name, arrays[i]), n_pieces, axis=0)
+        for name, arrays in sets.items():
+            if i < len(arrays) and arrays[i] is not None and not name.startswith("gmsh:"):
+                rows = _rows_in_block(f"cell set {name!r}, block {i}", arrays[i], len(nodes))
+                arrays[i] = (n_pieces * rows[:, None] + np.arange(n_pieces)).ravel()
+    return SimpleNamespace(points=mesh.points, cells=blocks, point_data=mesh.point_data, cell_data=data, field_data=mesh.field_data,
+                           cell_sets=sets, point_sets=mesh.point_sets)
 
 
 def parts_of(mesh: Any, tags: Optional[str], names: Optional[Mapping[int, str]]) -> Parts:
@@ -113,8 +142,10 @@ def _require_tetrahedra(mesh: Any) -> None:
             others[block.type] += len(block.data)
     found = [f"{n} of type {kind}" for kind, n in sorted(others.items()) if n > 0]
     if found:
+        is_cut = all(kind in CUT for kind, n in others.items() if n > 0)
+        cure = " (split_prisms=True cuts prisms and pyramids into tetrahedra)" if is_cut else ""
         raise Error("from_meshio: expected tetrahedra and triangles of first order (points and lines are left out), found "
-                    + ", ".join(found))
+                    + ", ".join(found) + cure)
     kinds = {block.type for block in mesh.cells}
     if "tetra" not in kinds:
         raise Error(f"from_meshio: expected tetrahedra, found {', '.join(sorted(kinds)) or 'no cells'}")
