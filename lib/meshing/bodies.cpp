@@ -9,6 +9,7 @@
 #include "meshing/cad_body.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
+#include "pamr/base/listed.hpp"
 #include "pamr/geometry/cad/cad_surface.hpp"
 
 namespace pamr::meshing {
@@ -35,14 +36,14 @@ std::vector<int> surfaces_of_faces(const geometry::SurfaceSet& surfaces, const g
       result[at(f)] = i;
     }
   }
-  std::string missing;
+  std::vector<std::string> missing;
   for (std::size_t f = 0; f < result.size(); ++f)
-    if (result[f] < 0) missing += (missing.empty() ? "" : ", ") + std::to_string(f + 1);
+    if (result[f] < 0) missing.push_back(std::to_string(f + 1));
   if (!missing.empty())
     throw Error(
         fmt::format("{}: expected every face of the shape on a surface, found some on none: add a [[surface]] of the "
                     "same file with faces = [{}]",
-                    surfaces.described_at[at(last)], missing));
+                    surfaces.described_at[at(last)], listed(missing, {.most = all_items})));
   return result;
 }
 

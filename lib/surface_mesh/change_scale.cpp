@@ -4,6 +4,7 @@
 #include <array>
 
 #include "pamr/base/error.hpp"
+#include "pamr/base/listed.hpp"
 #include "pamr/geometry/parameters.hpp"
 
 namespace pamr::surface_mesh {
@@ -41,10 +42,6 @@ double meters_of(std::string_view unit) {
   throw Error("expected a unit of length (" + known_units() + "), found \"" + std::string(unit) + "\"");
 }
 
-std::string known_units() {
-  std::string names;
-  for (const auto& unit : units) names += (names.empty() ? "" : ", ") + std::string(unit.name);
-  return names;
-}
+std::string known_units() { return listed(units, {}, &Unit::name); }
 
 }  // namespace pamr::surface_mesh

@@ -14,6 +14,7 @@
 
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
+#include "pamr/base/listed.hpp"
 #include "pamr/geometry/scaled_surfaces.hpp"
 #include "pamr/io/elements/element_parts.hpp"
 #include "pamr/io/elements/element_remarks.hpp"
@@ -94,11 +95,8 @@ void set_kinds(const std::vector<std::string>& pairs, mesh::DistMesh& mesh) {
   for (const auto& pair : pairs) {
     const auto equals = pair.rfind('=');
     const auto name = pair.substr(0, equals), kind = equals == std::string::npos ? "" : pair.substr(equals + 1);
-    if (std::find(kinds.begin(), kinds.end(), kind) == kinds.end()) {
-      std::string list;
-      for (const auto known : kinds) list += (list.empty() ? "" : ", ") + std::string(known);
-      throw Error(fmt::format("--kind: expected PATCH=KIND with a kind of {}, found '{}'", list, pair));
-    }
+    if (std::find(kinds.begin(), kinds.end(), kind) == kinds.end())
+      throw Error(fmt::format("--kind: expected PATCH=KIND with a kind of {}, found '{}'", listed(kinds), pair));
     auto& patches = mesh.info.patches;
     for (const int patch : mesh::require_patches(patches, name, "--kind"))
       patches[at(patch)].kind = kind == "patch" ? "" : kind;

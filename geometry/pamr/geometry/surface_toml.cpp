@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "pamr/base/error.hpp"
+#include "pamr/base/listed.hpp"
 #include "pamr/base/toml_table.hpp"
 #include "pamr/geometry/cad/cad_source.hpp"
 #include "pamr/geometry/cad/cad_surface.hpp"
@@ -116,12 +117,11 @@ void add_faces(const TomlTable& surface, std::string_view key, const CadModel& m
     std::set<std::string> known;
     for (const auto& face : model.faces()) known.insert(face.data().*field);
     known.erase("");
-    std::string list;
-    for (const auto& one : known) list += (list.empty() ? "" : ", ") + one;
     const std::string what = field == &CadFaceData::name ? "names" : "colors";
     surface.refuse(key,
-                   known.empty() ? "faces by number: no face of the shape has one of these " + what
-                                 : fmt::format("{} of faces of the shape ({})", what, list),
+                   known.empty()
+                       ? "faces by number: no face of the shape has one of these " + what
+                       : fmt::format("{} of faces of the shape ({})", what, listed(known, {.most = all_items})),
                    "\"" + text + "\"");
   }
 }

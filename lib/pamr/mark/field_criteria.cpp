@@ -13,6 +13,7 @@
 #include "pamr/base/contract.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
+#include "pamr/base/listed.hpp"
 #include "pamr/geometry/tet_shape.hpp"
 #include "pamr/mesh/tet.hpp"
 
@@ -31,10 +32,10 @@ const mesh::Field& require_scalar(const mesh::Field& field) {
 }
 
 std::string names_of(const mesh::DistMesh& mesh) {
-  std::string names;
+  std::vector<std::string> names;
   for (const auto* fields : {&mesh.cell_fields, &mesh.node_fields})
-    for (const auto& field : *fields) names += (names.empty() ? "" : ", ") + field.name;
-  return names.empty() ? "none" : names;
+    for (const auto& field : *fields) names.push_back(field.name);
+  return names.empty() ? "none" : listed(names, {.most = all_items});
 }
 
 /// Throws on every rank, naming the smallest cell, when the value of any cell of any rank is bad.

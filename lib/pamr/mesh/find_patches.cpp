@@ -7,6 +7,7 @@
 
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
+#include "pamr/base/listed.hpp"
 #include "pamr/base/name_pattern.hpp"
 
 namespace pamr::mesh {
@@ -40,9 +41,7 @@ std::vector<std::string> group_names(const Patch& patch) {
 
 std::string list_patches(const std::vector<Patch>& patches) {
   if (patches.empty()) return "none";
-  std::string names;
-  for (const auto& patch : patches) names += (names.empty() ? "" : ", ") + patch.name;
-  return names;
+  return listed(patches, {.most = all_items}, &Patch::name);
 }
 
 }  // namespace pamr::mesh

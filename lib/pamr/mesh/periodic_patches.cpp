@@ -3,22 +3,21 @@
 
 #include <fmt/format.h>
 
+#include "pamr/base/listed.hpp"
+
 namespace pamr::mesh {
 
 std::string warning_of_periodic(const std::vector<Patch>& patches) {
-  std::string names;
-  int n = 0;
+  std::vector<std::string> names;
   for (const auto& patch : patches)
-    if (patch.kind == periodic_kind) {
-      names += fmt::format("{}'{}'", names.empty() ? "" : ", ", patch.name);
-      ++n;
-    }
+    if (patch.kind == periodic_kind) names.push_back("'" + patch.name + "'");
+  const auto n = names.size();
   if (n == 0) return {};
   return fmt::format(
       "{} {} periodic, but the links are not kept: refined faces match those of the other side only where both sides "
       "are "
       "refined alike",
-      n == 1 ? "patch" : "patches", names + (n == 1 ? " is" : " are"));
+      n == 1 ? "patch" : "patches", listed(names) + (n == 1 ? " is" : " are"));
 }
 
 }  // namespace pamr::mesh

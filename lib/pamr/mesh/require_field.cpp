@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "pamr/base/error.hpp"
+#include "pamr/base/listed.hpp"
 
 namespace pamr::mesh {
 
@@ -61,9 +62,7 @@ const NodeField& require_node_field(const DistMesh& mesh, const WantedField& wan
 }
 
 std::string names_of(const std::vector<Field>& fields) {
-  std::string names;
-  for (const auto& field : fields) names += (names.empty() ? "" : ", ") + field.name;
-  return names.empty() ? "none" : names;
+  return fields.empty() ? "none" : listed(fields, {.most = all_items}, &Field::name);
 }
 
 void require_replaceable(const par::Comm& comm, const DistMesh& mesh, const OwnField& own) {

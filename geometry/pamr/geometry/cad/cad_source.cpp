@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "pamr/base/error.hpp"
+#include "pamr/base/listed.hpp"
 #include "pamr/geometry/cad/cad_surface.hpp"
 #include "pamr/geometry/described_surface.hpp"
 #include "pamr/geometry/surface_toml.hpp"
@@ -108,8 +109,7 @@ CadMeasures measure_cad_source(const CadSource& source, std::string_view unit) {
 
 std::string cad_surface_table(const std::string& name, const CadSource& source, const std::string& unit,
                               std::span<const int> faces) {
-  std::string numbers;
-  for (const int face : faces) numbers += (numbers.empty() ? "" : ", ") + std::to_string(face);
+  const auto numbers = listed(faces, {.most = all_items}, [](int face) { return std::to_string(face); });
   return fmt::format("[[surface]]\nname = {}\nkind = \"cad\"\nfile = {}\nunit = \"{}\"\nfaces = [{}]\n",
                      toml_text(name), toml_text(source.file), unit, numbers);
 }

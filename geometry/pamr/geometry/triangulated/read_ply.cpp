@@ -13,6 +13,7 @@
 
 #include "pamr/base/counted.hpp"
 #include "pamr/base/error.hpp"
+#include "pamr/base/listed.hpp"
 #include "pamr/geometry/triangulated/polygons.hpp"
 #include "pamr/geometry/triangulated/triangulation_text.hpp"
 
@@ -229,15 +230,15 @@ std::string rest_of(const Element& element) {
   if (element.count == 0) return {};
   if (!is_vertex && element.name != "face")
     return counted(element.count, "element", "elements") + " '" + element.name + "'";
-  std::string names;
+  std::vector<std::string> names;
   for (const auto& property : element.properties) {
     const bool is_shape =
         is_vertex ? !property.is_list && (property.name == "x" || property.name == "y" || property.name == "z")
                   : property.is_list && property.name.starts_with("vertex_ind");
-    if (!is_shape) names += (names.empty() ? "" : ", ") + property.name;
+    if (!is_shape) names.push_back(property.name);
   }
   if (names.empty()) return {};
-  return fmt::format("{} of {}", names,
+  return fmt::format("{} of {}", listed(names, {.most = all_items}),
                      is_vertex ? counted(element.count, "point", "points") : counted(element.count, "face", "faces"));
 }
 

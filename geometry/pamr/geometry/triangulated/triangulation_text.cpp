@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "pamr/base/error.hpp"
+#include "pamr/base/listed.hpp"
 
 namespace pamr::geometry {
 
@@ -37,11 +38,9 @@ std::vector<std::string> remark_on_rest(const std::vector<std::string>& things) 
 std::string names_of_parts(std::string_view what, const std::vector<std::string>& names) {
   constexpr std::size_t most = 5;
   if (names.size() < 2) return {};
-  std::string list;
-  for (std::size_t i = 0; i < std::min(most, names.size()); ++i)
-    list += fmt::format("{}\"{}\"", i == 0 ? "" : ", ", names[i]);
-  return fmt::format("the names of {} {} ({}{}), which are one surface", names.size(), what, list,
-                     names.size() > most ? ", ..." : "");
+  const auto in_quotes = [](const std::string& name) { return fmt::format("\"{}\"", name); };
+  return fmt::format("the names of {} {} ({}), which are one surface", names.size(), what,
+                     listed(names, {.most = most}, in_quotes));
 }
 
 bool is_same_word(std::string_view a, std::string_view b) {

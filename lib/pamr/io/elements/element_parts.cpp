@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "pamr/base/listed.hpp"
 #include "pamr/io/elements/cut_elements.hpp"
 
 namespace pamr::io {
@@ -111,9 +112,8 @@ std::string name_of_type(int type) {
 }
 
 std::string text_of_left_out(const std::map<std::string, std::int64_t>& counts) {
-  std::string names;
-  for (const auto& [name, n] : counts) names += fmt::format("{}{} ({})", names.empty() ? "" : ", ", name, n);
-  return "left out was what a mesh has no place for: " + names;
+  return "left out was what a mesh has no place for: " +
+         listed(counts, {}, [](const auto& one) { return fmt::format("{} ({})", one.first, one.second); });
 }
 
 void keep_element(ElementParts& parts, int type, std::span<const std::int64_t, max_nodes> nodes, std::int64_t group) {

@@ -10,6 +10,7 @@
 
 #include "pamr/base/counted.hpp"
 #include "pamr/base/error.hpp"
+#include "pamr/base/listed.hpp"
 #include "pamr/mesh/periodic_patches.hpp"
 
 namespace pamr::io {
@@ -27,8 +28,7 @@ std::string counted_elements(std::int64_t n, int dimension) {
 
 /// Named groups without elements in one remark, those of points and lines in one each.
 void add_unused_groups(const ElementMesh& read, std::vector<std::string>& remarks) {
-  std::string names;
-  std::int64_t n = 0;
+  std::vector<std::string> names;
   for (const auto& group : read.unused_groups) {
     const auto elements = elements_of.at(static_cast<std::size_t>(group.dimension));
     if (group.n_elements > 0) {
@@ -37,11 +37,12 @@ void add_unused_groups(const ElementMesh& read, std::vector<std::string>& remark
                                     group.n_elements == 1 ? "was" : "were"));
       continue;
     }
-    if (++n <= 10) names += fmt::format("{}'{}' ({})", n == 1 ? "" : ", ", group.name, elements);
+    names.push_back(fmt::format("'{}' ({})", group.name, elements));
   }
-  if (n == 0) return;
-  remarks.push_back(fmt::format("{} no element: {}{}{}", counted(n, "named group has", "named groups have"), names,
-                                n > 10 ? ", ..." : "", read.why_empty.empty() ? "" : ": " + read.why_empty));
+  if (names.empty()) return;
+  remarks.push_back(fmt::format("{} no element: {}{}",
+                                counted(std::ssize(names), "named group has", "named groups have"), listed(names),
+                                read.why_empty.empty() ? "" : ": " + read.why_empty));
 }
 
 }  // namespace

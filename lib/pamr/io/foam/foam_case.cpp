@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "pamr/base/counted.hpp"
+#include "pamr/base/listed.hpp"
 #include "pamr/io/foam/foam_tokens.hpp"
 #include "pamr/io/text.hpp"
 
@@ -35,14 +36,6 @@ std::vector<fs::path> entries_of(const fs::path& folder) {
 bool is_folder(const fs::path& path) {
   std::error_code none;
   return fs::is_directory(path, none);
-}
-
-/// The first names of a list.
-std::string list(const std::vector<std::string>& names) {
-  constexpr std::size_t most = 10;
-  std::string text;
-  for (std::size_t i = 0; i < std::min(names.size(), most); ++i) text += (i == 0 ? "" : ", ") + names[i];
-  return names.size() > most ? text + ", ..." : text;
 }
 
 /// Folders of times, ascending: their names are numbers.
@@ -68,8 +61,7 @@ void tell_of_other_files(const fs::path& mesh_folder, WholeMesh& mesh) {
     const auto name = path.extension() == ".gz" ? path.stem() : path.filename();
     if (std::find(known.begin(), known.end(), name.string()) == known.end()) others.insert(shown_text(name.string()));
   }
-  if (!others.empty())
-    mesh.remarks.push_back("left out was what else polyMesh has: " + list({others.begin(), others.end()}));
+  if (!others.empty()) mesh.remarks.push_back("left out was what else polyMesh has: " + listed(others));
 }
 
 }  // namespace
@@ -94,15 +86,15 @@ void tell_of_other_data(const fs::path& case_folder, const fs::path& mesh_folder
   if (!with_mesh.empty())
     mesh.remarks.push_back(fmt::format("the mesh of constant was read: {} of its own: {}",
                                        counted(std::ssize(with_mesh), "time has one", "times have one"),
-                                       list(with_mesh)));
+                                       listed(with_mesh)));
   if (!with_fields.empty())
     mesh.notes.push_back(fmt::format("{} left out (pamr.openfoam.read_fields of Python reads them): {}",
                                      counted(std::ssize(with_fields), "time with fields was", "times with fields were"),
-                                     list(with_fields)));
+                                     listed(with_fields)));
   if (const auto regions = regions_of_case(case_folder); !regions.empty())
     mesh.notes.push_back(fmt::format(
         "{} a mesh of its own, which was left out: {}",
-        counted(std::ssize(regions), "region of the case has", "regions of the case have each"), list(regions)));
+        counted(std::ssize(regions), "region of the case has", "regions of the case have each"), listed(regions)));
 }
 
 }  // namespace pamr::io::foam

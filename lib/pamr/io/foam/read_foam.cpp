@@ -13,6 +13,7 @@
 
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
+#include "pamr/base/listed.hpp"
 #include "pamr/io/elements/cut_elements.hpp"
 #include "pamr/io/elements/whole_mesh.hpp"
 #include "pamr/io/export/write_foam.hpp"
@@ -38,14 +39,13 @@ fs::path mesh_of_case(const fs::path& case_folder) {
   if (is_present(folder / "owner")) return folder;
   if (fs::exists(foam_folder(case_folder / "processor0"), none))
     throw Error("expected constant/polyMesh, found parts for several processors: reconstructParMesh makes one of them");
-  std::string regions;
-  for (const auto& region : regions_of_case(case_folder)) regions += (regions.empty() ? "" : ", ") + region;
+  const auto regions = regions_of_case(case_folder);
   throw Error(regions.empty()
                   ? "expected an OpenFOAM case with constant/polyMesh, found a folder without"
                   : fmt::format("expected an OpenFOAM case with constant/polyMesh, found the meshes of its "
                                 "regions alone (constant/REGION/polyMesh): {}: one is read where it lies in "
                                 "constant/polyMesh",
-                                regions));
+                                listed(regions)));
 }
 
 class CaseReader {

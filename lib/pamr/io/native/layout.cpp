@@ -13,6 +13,7 @@
 
 #include "pamr/base/counted.hpp"
 #include "pamr/base/error.hpp"
+#include "pamr/base/listed.hpp"
 #include "pamr/io/native/checksum.hpp"
 #include "pamr/io/native/hdf5.hpp"
 #include "pamr/io/text.hpp"
@@ -90,11 +91,9 @@ class Checker {
   void others() {
     const auto& all = catalog_->others;
     if (all.empty()) return;
-    std::string names;
-    for (std::size_t i = 0; i < std::min<std::size_t>(all.size(), 10); ++i)
-      names += (i == 0 ? "" : ", ") + shown_text(all[i]);
-    remark(fmt::format("{} left out that the format does not know: {}{}",
-                       counted(std::ssize(all), "object is", "objects are"), names, all.size() > 10 ? ", ..." : ""));
+    remark(fmt::format("{} left out that the format does not know: {}",
+                       counted(std::ssize(all), "object is", "objects are"),
+                       listed(all, {}, [](const auto& name) { return shown_text(name); })));
   }
 
   void header() const {

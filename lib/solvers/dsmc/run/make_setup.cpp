@@ -12,6 +12,7 @@
 
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
+#include "pamr/base/listed.hpp"
 #include "pamr/mesh/box_of_nodes.hpp"
 #include "pamr/mesh/find_patches.hpp"
 #include "pamr/mesh/inner_patches.hpp"
@@ -31,7 +32,7 @@ namespace {
 std::vector<BoundaryCondition> conditions_of(const par::Comm& comm, const Case& c, const mesh::DistMesh& mesh) {
   const auto inside = mesh::patches_inside_alone(comm, mesh);
   std::vector<BoundaryCondition> conditions;
-  std::string missing;
+  std::vector<std::string> missing;
   for (std::size_t p = 0; p < inside.size(); ++p) {
     const auto& patch = mesh.info.patches[p];
     if (inside[p])
@@ -39,13 +40,13 @@ std::vector<BoundaryCondition> conditions_of(const par::Comm& comm, const Case& 
     else if (const auto* found = c.find_boundary(patch.name, mesh::group_names(patch)))
       conditions.push_back(*found);
     else
-      missing += fmt::format("{}{}", missing.empty() ? "" : ", ", patch.name);
+      missing.push_back(patch.name);
   }
   if (!missing.empty())
     throw Error(
         fmt::format("{}: expected a table [boundary.PATCH] for every patch of the mesh, found none for {} (PATCH "
                     "may stand for several, such as \"*\")",
-                    c.where, missing));
+                    c.where, listed(missing, {.most = all_items})));
   for (const auto& [name, condition] : c.boundary) {
     const auto found = mesh::require_patches(mesh.info.patches, name, c.boundary_at.at(name) + ": [boundary.PATCH]");
     if (std::all_of(found.begin(), found.end(), [&](int patch) { return inside[at(patch)]; }))

@@ -8,6 +8,7 @@
 
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
+#include "pamr/base/listed.hpp"
 #include "solvers/poisson_boltzmann/goals/cut_off.hpp"
 #include "solvers/poisson_boltzmann/goals/quadratic_goals.hpp"
 #include "solvers/poisson_boltzmann/goals/volume_force.hpp"
@@ -100,15 +101,16 @@ void add_midplane_form(const par::Comm& comm, const State& state, const Excess& 
   for (const auto& electrode : electrodes)
     if ((electrode.mirrors.neighbors >> static_cast<unsigned>(number) & 1U) == 0) pushed |= electrode.patches;
   auto* patch = &result_named(name, result);
-  std::string names;
+  std::vector<std::string> names;
   for (const auto& electrode : electrodes) {
     if (electrode.patches == pushed) patch = &result_named(electrode.name, result);
     const bool is_part = (electrode.patches & ~pushed) == 0 && domain.patch_number(electrode.name) >= 0;
-    if (is_part) names += (names.empty() ? "" : ", ") + electrode.name;
+    if (is_part) names.push_back(electrode.name);
   }
   patch->midplane = force * direction;
   if (patch->electrode == nullptr && !names.empty())
-    result.no_midplane = fmt::format("what passes the mid-plane acts on all of {} together, not on one of them", names);
+    result.no_midplane = fmt::format("what passes the mid-plane acts on all of {} together, not on one of them",
+                                     listed(names, {.most = all_items}));
   for (auto& goal : result.goals) {
     if (goal.goal.kind != Goal::Kind::midplane) continue;
     goal.value = force;
