@@ -158,6 +158,12 @@ def test_quads_and_text_of_cad_programs_are_read():
         assert "ball.stl" + says in run("pamr-surface", command[0], "ball.stl", *command[1:]).err, command
     assert 'surface "body"' + says in run("pamr-mesh", mesh_case("ball.stl"), "-o", "ball.hdf").err
     assert says in run("pamr-convert", "ball.hdf", "tied.hdf", "--surface", "ball.stl", "--patch", "body").err
+    with open("ball.stl", "r+b") as file:
+        for facet in (0, 7, 319):  # in either byte of the two
+            file.seek(84 + 50 * facet + 48 + facet % 2)
+            file.write(b"\x80")
+    attributes = says.replace("left out: ", "left out: attribute bytes, which may be colors, of 3 faces, ")
+    assert "ball.stl" + attributes in run("pamr-surface", "info", "ball.stl").err
 
 
 def test_what_files_have_beside_their_shape_is_counted():

@@ -64,12 +64,12 @@ std::int64_t bytes_behind(std::string_view bytes) {
 Triangulation parse_binary(std::string_view bytes, const std::string& where) {
   const std::int64_t n = facets_in_head(bytes), behind = bytes_behind(bytes);
   Welder welder;
-  if (behind > 0)
-    welder.result.remarks = remark_on_rest(
-        {fmt::format("{} behind the {} triangles that the file announces", counted(behind, "byte", "bytes"), n)});
+  std::int64_t n_attributes = 0;
   for (std::int64_t f = 0; f < n; ++f) {
     float value[12];  // normal, which need not be right, and three corners
-    std::memcpy(value, bytes.data() + head_bytes + facet_bytes * static_cast<std::size_t>(f), sizeof value);
+    const char* facet = bytes.data() + head_bytes + facet_bytes * static_cast<std::size_t>(f);
+    std::memcpy(value, facet, sizeof value);
+    n_attributes += facet[facet_bytes - 2] != 0 || facet[facet_bytes - 1] != 0 ? 1 : 0;
     for (int i = 3; i < 12; ++i)
       if (!std::isfinite(value[i]))
         throw Error(fmt::format("{}: triangle {}: expected finite coordinates, found NaN or infinity", where, f + 1));
@@ -77,6 +77,11 @@ Triangulation parse_binary(std::string_view bytes, const std::string& where) {
     for (std::size_t k = 0; k < 3; ++k) corner[k] = welder.add({value[3 + 3 * k], value[4 + 3 * k], value[5 + 3 * k]});
     welder.result.triangles.push_back(corner);
   }
+  welder.result.remarks = remark_on_rest(
+      {n_attributes == 0 ? "" : "attribute bytes, which may be colors, of " + counted(n_attributes, "face", "faces"),
+       behind <= 0
+           ? ""
+           : fmt::format("{} behind the {} triangles that the file announces", counted(behind, "byte", "bytes"), n)});
   return std::move(welder.result);
 }
 

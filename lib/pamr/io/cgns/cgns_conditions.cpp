@@ -1,11 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pamr/io/cgns/cgns_conditions.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <array>
 #include <map>
 #include <set>
+#include <string_view>
 #include <tuple>
 #include <utility>
+
+#include "pamr/io/text.hpp"
 
 namespace pamr::io::cgns {
 
@@ -31,11 +37,12 @@ class ConditionReader {
     std::vector<std::uint8_t> is_in_condition(mesh_.triangle.size(), 0);
     std::set<std::int64_t> of_conditions;
     std::set<std::size_t> is_named_cell;
-    std::map<std::tuple<int, std::string, std::string>, std::int64_t> shared;  ///< by dimension, name kept, other name
     for (const bool on_elements : {true, false})
       for (const auto& condition : tree_.children(all.path, "BC_t")) {
         const auto named = named_by(condition);
         if (named.are_elements != on_elements) continue;
+        count_others(tree_, condition.path, {"IndexRange_t", "IndexArray_t", "GridLocation_t", "FamilyName_t"},
+                     mesh_.left_out);
         auto name = condition.name;
         auto type = tree_.text(condition);
         if (type == "FamilySpecified") std::tie(name, type) = family_of(condition);
@@ -51,26 +58,26 @@ class ConditionReader {
               if (is_named_cell.insert(first).second)
                 std::fill_n(group, n, name);
               else if (*group != name)
-                ++shared[{3, *group, name}];
+                ++shared_[{3, *group, name}];
               has_cells = elements_.has_named_cells = true;
             }
           }
         } else {
-          triangles = triangles_within(named.number, is_in_condition);
+          triangles = triangles_within(named.number);
         }
         if (triangles.empty() && has_cells) continue;
         const auto tag = elements_.tag_of(name, mesh_);
-        mesh_.patch_of_tag[tag].kind = kind_of(type);
+        take_kind(condition, type, mesh_.patch_of_tag[tag]);
         of_conditions.insert(tag);
         for (const auto t : triangles) {
           if (is_in_condition[t] == 0)
             mesh_.tag[t] = tag;
           else if (mesh_.tag[t] != tag)
-            ++shared[{2, mesh_.patch_of_tag[mesh_.tag[t]].name, name}];
+            ++shared_[{2, mesh_.patch_of_tag[mesh_.tag[t]].name, name}];
           is_in_condition[t] = 1;
         }
       }
-    for (const auto& [groups, n] : shared)
+    for (const auto& [groups, n] : shared_)
       mesh_.overlaps.push_back({std::get<0>(groups), std::get<1>(groups), std::get<2>(groups), n, "which comes first"});
     // Sections whose triangles are all in conditions are no groups of their own.
     of_conditions.insert(mesh_.tag.begin(), mesh_.tag.end());
@@ -97,13 +104,21 @@ class ConditionReader {
     return named;
   }
 
-  std::vector<std::size_t> triangles_within(const std::vector<std::int64_t>& vertices,
-                                            const std::vector<std::uint8_t>& is_taken) const {
+  /// A type without a kind of patches that goes with it is said, but for those that mean none.
+  void take_kind(const Node& condition, const std::string& type, mesh::Patch& patch) {
+    constexpr std::array<std::string_view, 4> no_types{"", "Null", "UserDefined", "BCGeneral"};
+    patch.kind = kind_of(type);
+    if (patch.kind.empty() && std::find(no_types.begin(), no_types.end(), type) == no_types.end())
+      mesh_.remarks.push_back(fmt::format("the type '{}' of the condition '{}' was left out", shown_text(type),
+                                          shown_text(condition.name)));
+  }
+
+  std::vector<std::size_t> triangles_within(const std::vector<std::int64_t>& vertices) const {
     const std::set<std::int64_t> corners(vertices.begin(), vertices.end());
     std::vector<std::size_t> triangles;
     for (std::size_t t = 0; t < mesh_.triangle.size(); ++t) {
       const auto& node = mesh_.triangle[t];
-      if (is_taken[t] == 0 && std::all_of(node.begin(), node.end(), [&](auto n) { return corners.contains(n + 1); }))
+      if (std::all_of(node.begin(), node.end(), [&](auto n) { return corners.contains(n + 1); }))
         triangles.push_back(t);
     }
     return triangles;
@@ -145,6 +160,8 @@ class ConditionReader {
   const std::string& zone_;
   ZoneElements& elements_;
   WholeMesh& mesh_;
+  /// Elements in two conditions by dimension, name kept, other name.
+  std::map<std::tuple<int, std::string, std::string>, std::int64_t> shared_;
 };
 
 }  // namespace

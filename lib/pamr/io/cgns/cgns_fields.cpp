@@ -42,6 +42,8 @@ void read_solutions(const Tree& tree, const std::string& zone, const ZoneSizes& 
     const auto location = tree.text(tree.child(solution.path, "GridLocation_t", true));
     const bool is_of_cells = location == "CellCenter";
     auto arrays = tree.children(solution.path, "DataArray_t");
+    count_others(tree, solution.path, {"DataArray_t", "GridLocation_t"}, mesh.left_out);
+    for (const auto& array : arrays) count_others(tree, array.path, {}, mesh.left_out);
     if (!is_of_cells && !location.empty() && location != "Vertex") {
       mesh.left_out["arrays of solutions at " + shown_text(location)] += std::ssize(arrays);
       continue;

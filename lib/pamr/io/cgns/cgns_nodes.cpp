@@ -145,4 +145,11 @@ std::string Tree::text(const Node& node) const {
   return text.substr(0, text.find('\0'));
 }
 
+void count_others(const Tree& tree, const std::string& path, std::initializer_list<std::string_view> known,
+                  std::map<std::string, std::int64_t>& left_out) {
+  for (const auto& node : tree.children(path, ""))
+    if (node.label != "Ordinal_t" && std::find(known.begin(), known.end(), node.label) == known.end())
+      ++left_out[shown_text(node.label)];
+}
+
 }  // namespace pamr::io::cgns

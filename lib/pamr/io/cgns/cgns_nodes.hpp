@@ -3,6 +3,8 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <initializer_list>
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -44,5 +46,10 @@ class Tree {
   hdf5::Handle h5_;
   std::int64_t file_bytes_ = 0;
 };
+
+/// Counts children that nothing is read of by their labels: units, reference states, texts, data of conditions, ...
+/// Numbers that only order them are nothing. Local.
+void count_others(const Tree& tree, const std::string& path, std::initializer_list<std::string_view> known,
+                  std::map<std::string, std::int64_t>& left_out);
 
 }  // namespace pamr::io::cgns

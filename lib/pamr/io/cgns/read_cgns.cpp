@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <initializer_list>
 #include <map>
 #include <string>
 #include <string_view>
@@ -80,9 +79,10 @@ class ZoneReader {
     read_solutions(tree_, zone_, {n_nodes_, std::ssize(cells_)}, mesh_);
     set_regions();
     put_cells_in_order();
-    count_others(base_, {"Zone_t", "Family_t"});
-    count_others(zone_,
-                 {"GridCoordinates_t", "Elements_t", "ZoneBC_t", "FlowSolution_t", "ZoneType_t", "FamilyName_t"});
+    count_others(tree_, base_, {"Zone_t", "Family_t"}, mesh_.left_out);
+    count_others(tree_, zone_,
+                 {"GridCoordinates_t", "Elements_t", "ZoneBC_t", "FlowSolution_t", "ZoneType_t", "FamilyName_t"},
+                 mesh_.left_out);
     return std::move(mesh_);
   }
 
@@ -92,14 +92,19 @@ class ZoneReader {
     for (const auto& array : tree_.children(grid.path, "DataArray_t")) {
       constexpr std::array<const char*, 3> names{"CoordinateX", "CoordinateY", "CoordinateZ"};
       const auto* axis = std::find(names.begin(), names.end(), array.name);
-      if (axis == names.end()) continue;
+      if (axis == names.end()) {
+        ++mesh_.left_out["arrays beside the coordinates"];
+        continue;
+      }
       const auto values = tree_.reals(array);
       if (std::ssize(values) != n_nodes_)
         throw Error(fmt::format("{}: expected {} values, found {}", array.path, n_nodes_, values.size()));
       mesh_.point.resize(values.size());
       for (std::size_t i = 0; i < values.size(); ++i) mesh_.point[i][at(axis - names.begin())] = values[i];
       ++n_axes_;
+      count_others(tree_, array.path, {}, mesh_.left_out);
     }
+    count_others(tree_, grid.path, {"DataArray_t"}, mesh_.left_out);
     if (n_axes_ != 3)
       throw Error(fmt::format("{}: expected CoordinateX, Y and Z, found {} of them", grid.path, n_axes_));
   }
@@ -164,14 +169,6 @@ class ZoneReader {
     elements_.triangle_of[number] = {mesh_.tag.size(), pieces.size()};
     mesh_.triangle.insert(mesh_.triangle.end(), pieces.begin(), pieces.end());
     mesh_.tag.insert(mesh_.tag.end(), pieces.size(), elements_.tag_of(section.name, mesh_));
-  }
-
-  /// Children that nothing is read of, by their labels: units, reference states, texts, ... Numbers that only order them
-  /// are nothing.
-  void count_others(const std::string& path, std::initializer_list<std::string_view> known) {
-    for (const auto& node : tree_.children(path, ""))
-      if (node.label != "Ordinal_t" && std::find(known.begin(), known.end(), node.label) == known.end())
-        ++mesh_.left_out[shown_text(node.label)];
   }
 
   std::vector<std::int64_t> integers_named(const Node& parent, const char* label, std::string_view name) const {

@@ -174,7 +174,12 @@ void Reader::read_text(const Take& take, const std::function<void(const std::str
   bool is_foreign = false;  // behind a keyword that is not looked at
   for (in_.skip_empty_lines(comment); !in_.at_end(); in_.skip_empty_lines(comment)) {
     const auto name = in_.keyword();
-    if (name == "End") return;
+    if (name == "End") {
+      (void)in_.line();
+      in_.skip_empty_lines(comment);
+      if (!in_.at_end()) leave("data behind End");
+      return;
+    }
     if (name.empty()) {
       if (!is_foreign) fail("a keyword", "something else");
       (void)in_.line();
@@ -197,7 +202,10 @@ void Reader::read_text(const Take& take, const std::function<void(const std::str
 void Reader::read_binary(const Take& take, const std::function<void(const std::string& name)>& leave) {
   while (in_.remaining() > 0) {
     const auto code = value<std::int32_t>("a keyword");
-    if (code == end) return;
+    if (code == end) {
+      if (in_.remaining() > sizeof(std::int64_t)) leave("data behind End");  // the place of a next keyword may follow
+      return;
+    }
     const auto begin = static_cast<std::int64_t>(in_.position());
     const auto next = position("the place of the next keyword");
     if (next != 0 && next <= begin) fail("a later place of the next keyword", fmt::format("byte {}", next));

@@ -7,11 +7,13 @@
 #include <array>
 #include <limits>
 #include <set>
+#include <system_error>
 #include <utility>
 
 #include "pamr/base/error.hpp"
 #include "pamr/io/elements/read_shares.hpp"
 #include "pamr/io/medit/gmf.hpp"
+#include "pamr/io/text.hpp"
 
 namespace pamr::io {
 
@@ -183,6 +185,16 @@ void name_fields(ElementParts& parts, const MeditOptions& options) {
     }
 }
 
+/// Fields that lie beside a mesh under its name, as Medit itself looks for them. Collective.
+void tell_of_solutions(const par::Comm& comm, std::filesystem::path file, std::vector<std::string>& notes) {
+  for (const auto* ending : {".sol", ".solb"}) {
+    std::error_code none;
+    if (comm.any(comm.is_first() && std::filesystem::exists(file.replace_extension(ending), none)))
+      notes.push_back(fmt::format("the fields of {} were left out (--sol-in of pamr-convert reads them)",
+                                  shown_text(file.replace_extension(ending).filename().string())));
+  }
+}
+
 }  // namespace
 
 ElementMesh read_medit(const par::Comm& comm, const std::filesystem::path& file, const MeditOptions& options) {
@@ -209,10 +221,12 @@ ElementMesh read_medit(const par::Comm& comm, const std::filesystem::path& file,
     name_fields(parts, options);
   }
   parts.has_signed_regions = true;
-  return mesh_of_elements(comm, std::move(parts), source_of(file), options, [](std::int64_t reference) {
+  auto read = mesh_of_elements(comm, std::move(parts), source_of(file), options, [](std::int64_t reference) {
     return mesh::Patch{
         .name = fmt::format("ref_{}", reference), .kind = "", .number = std::max<std::int64_t>(reference, -1)};
   });
+  if (options.solution.empty()) tell_of_solutions(comm, file, read.notes);
+  return read;
 }
 
 }  // namespace pamr::io

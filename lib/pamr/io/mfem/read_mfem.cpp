@@ -48,8 +48,12 @@ class MfemReader {
     for (in_.skip_empty_lines(comment); !in_.at_end(); in_.skip_empty_lines(comment)) {
       const auto place = in_;
       const auto keyword = in_.keyword();
-      if (keyword == "mfem_mesh_end") break;
       (void)in_.line();
+      if (keyword == "mfem_mesh_end") {
+        in_.skip_empty_lines(comment);
+        if (!in_.at_end()) ++mesh_.left_out["data behind mfem_mesh_end"];
+        break;
+      }
       if (!take(keyword))
         place.fail("dimension, elements, boundary, vertices, nodes or sets of attributes",
                    fmt::format("\"{}\"", keyword.substr(0, 40)));

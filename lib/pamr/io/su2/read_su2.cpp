@@ -100,7 +100,8 @@ class Su2Reader {
         parts_.group_name[{2, n_found_}] = tag_;
       else if (in_.rest().starts_with("SEND_TO"))
         (void)in_.line();
-      (void)read_elements(value, tag_ == of_ranks ? 0 : n_found_);
+      if (read_elements(value, tag_ == of_ranks ? 0 : n_found_) > 0 && tag_ == of_ranks)
+        ++parts_.left_out["SEND_RECEIVE markers, which join parts of a mesh"];
       tag_.clear();
     } else if (keyword == "NPERIODIC") {
       const auto n = value.integer_in_line("the number of periodic links");
@@ -141,6 +142,8 @@ class Su2Reader {
       if (type == element_type::prism) turn_prism_of_vtk(nodes);
       if (marker > 0 ? is_cell : is_face)
         in_.fail(marker > 0 ? "triangles in a marker" : "tetrahedra among the elements", name_of(type));
+      if (type == element_type::point || type == element_type::line)
+        ++parts_.n_in_group[{type == element_type::line ? 1 : 0, 0}];
       keep_element(parts_, type, nodes, marker);
       (void)in_.line();
     }
@@ -158,6 +161,11 @@ class Su2Reader {
 
   void read_nodes(TextCursor& value) {
     parts_.n_nodes = in_.checked_count(value.integer_in_line("the number of points"), 6, "points");
+    if (!value.is_line_over(comment))
+      if (const auto n_own = value.integer_in_line("the number of points without those of other parts");
+          n_own != parts_.n_nodes)
+        value.fail(fmt::format("a mesh in one part with {} points of its own", parts_.n_nodes),
+                   fmt::format("{}: the others are those of other parts", n_own));
     const auto own = share_.of(parts_.n_nodes);
     in_.skip_lines(own.begin, "a point");
     for (auto i = own.begin; i < own.end; ++i) {
@@ -187,6 +195,10 @@ ElementMesh read_su2(const par::Comm& comm, const std::filesystem::path& file, c
   auto parts = read_shares(
       comm, file, [](TextCursor&) { return true; },
       [](TextCursor& in, Share share) { return Su2Reader(in, share).read(); });
+  for (const int dimension : {0, 1})
+    if (const auto n = comm.sum(parts.n_in_group[{dimension, 0}]); n > 0)
+      parts.left_out[dimension == 0 ? "points" : "lines"] = n;
+  parts.n_in_group.clear();
   const auto names = parts.group_name;
   return mesh_of_elements(comm, std::move(parts), source_of(file), options, [&](std::int64_t marker) {
     return mesh::Patch{names.at({2, marker}), ""};
