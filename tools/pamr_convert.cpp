@@ -16,15 +16,16 @@
 #include "convert/read_mesh.hpp"
 #include "convert/torn_mesh.hpp"
 #include "meshing/associate/associate_surfaces.hpp"
+#include "meshing/associate/association_remarks.hpp"
 #include "meshing/read_mesh_case.hpp"
 #include "meshing/repair/find_wall_ears.hpp"
 #include "meshing/repair/open_wall_ears.hpp"
 #include "pamr/base/counted.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
+#include "pamr/base/listed.hpp"
 #include "pamr/curved/curve_cells.hpp"
 #include "pamr/geometry/cad/cad_source.hpp"
-#include "pamr/geometry/triangulated/self_intersection.hpp"
 #include "pamr/io/formats.hpp"
 #include "pamr/io/interfaces.hpp"
 #include "pamr/io/medit/write_medit.hpp"
@@ -37,12 +38,25 @@ namespace {
 using namespace pamr;
 using convert::Options;
 
+/// Writes fields beside a mesh and yields them: files of Medit have no place for their names, which are said in order.
+/// Collective.
+std::vector<const mesh::Field*> write_fields(const cli::Session& session, const Options& options,
+                                             const mesh::DistMesh& mesh) {
+  if (options.solution_out.empty()) return {};
+  auto [written, of_cells] = io::choose_medit_fields(mesh, options.solution_fields);
+  io::write_medit_fields(session.comm(), options.solution_out, mesh, {written, of_cells});
+  written.insert(written.end(), of_cells.begin(), of_cells.end());
+  const auto in_quotes = [](const mesh::Field* field) { return "'" + field->name + "'"; };
+  session.note(fmt::format("files of Medit have no names of fields: in order, {} has {}", options.solution_out,
+                           listed(written, {.before_last = " and ", .most = all_items}, in_quotes)));
+  return written;
+}
+
 /// `second_order`: null for linear cells. Collective.
 void write(const cli::Session& session, const Options& options, const mesh::DistMesh& mesh,
            const mesh::SecondOrder* second_order) {
   const auto& comm = session.comm();
-  // first, because its names may be wrong
-  if (!options.solution_out.empty()) io::write_medit_fields(comm, options.solution_out, mesh, options.solution_fields);
+  auto fields = write_fields(session, options, mesh);  // first, because their names may be wrong
   io::write_mesh(comm, options.output, mesh,
                  {.format = options.format,
                   .remark = session.remarks(),
@@ -51,7 +65,7 @@ void write(const cli::Session& session, const Options& options, const mesh::Dist
                            convert::interfaces_of(options)},
                   .second_order = second_order,
                   .patches = options.patches,
-                  .keeps_fields = !options.solution_out.empty()});
+                  .kept = std::move(fields)});
 }
 
 /// Options for the reader. Local.
@@ -149,24 +163,10 @@ void associate(cli::Session& session, const Options& options, const std::string&
     if (found.creases) {
       report["ties"][found.patch]["edges_along_creases"] = found.creases->n_along;
       report["ties"][found.patch]["edges_across_creases"] = found.creases->n_across;
-      if (found.creases->n_across > 0)
-        session.warn(
-            fmt::format("patch '{}': {} edges of the mesh run across sharp edges of surface \"{}\" (up to {:.3g} from "
-                        "them), not along them: the sharp edges are rounded there",
-                        found.patch, found.creases->n_across, found.surface, found.creases->worst_across));
     }
-    if (found.n_off > 0)
-      session.warn(
-          fmt::format("patch '{}': nodes up to {:.3g} off surface \"{}\": the next refinement at them brings "
-                      "them there",
-                      found.patch, found.worst_distance, found.surface));
   }
   if (!comm.is_first()) return;
-  for (const auto& remark : mesh.info.surfaces->remarks()) session.warn(remark);
-  for (const auto& surface : mesh.info.surfaces->triangulations) {
-    const auto warning = geometry::self_intersection_warning(*surface, geometry::find_self_intersections(*surface));
-    if (!warning.empty()) session.warn(warning);
-  }
+  for (const auto& remark : meshing::remarks_on(associations, *mesh.info.surfaces)) session.warn(remark);
 }
 
 /// Gives flat patches that meet patches with a surface their planes, and says which others refinements will bend.

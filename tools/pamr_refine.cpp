@@ -143,13 +143,8 @@ std::string marked_text(std::int64_t marked, const adapt::CoarseningReport& coar
                      coarsening.octets_gone);
 }
 
-/// A mesh that came without lineage cannot be coarsened; that is no error.
 void warn_nothing_goes(const cli::Session& session, const adapt::CoarseningReport& report) {
-  if (report.octets_gone == 0 && report.cells_without_parent > 0)
-    session.warn(fmt::format(
-        "nothing was coarsened: of {} cells that may be coarsened {} know no parent (they are of level 0, of "
-        "broken families or of files without their history)",
-        report.cells_flagged, report.cells_without_parent));
+  if (const auto text = adapt::nothing_coarsened_text(report); !text.empty()) session.warn(text);
 }
 
 std::string place_text(geometry::Vec3 p) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", p.x, p.y, p.z); }

@@ -19,10 +19,8 @@
 #include "pamr/io/elements/cut_elements.hpp"
 #include "pamr/io/elements/element_parts.hpp"
 #include "pamr/io/elements/element_remarks.hpp"
-#include "pamr/io/export/write_foam.hpp"
 #include "pamr/io/foam/foam_order.hpp"
 #include "pamr/io/formats.hpp"
-#include "pamr/io/losses.hpp"
 #include "pamr/mesh/fingerprint.hpp"
 #include "pamr/mesh/inner_patches.hpp"
 #include "pamr/mesh/tet.hpp"
@@ -76,7 +74,7 @@ struct Given {
   std::vector<std::pair<std::int64_t, std::string>> regions;
   std::vector<GroupIn> unused;
   std::vector<std::tuple<int, std::int64_t, Groups>> joint;
-  bool has_boundary = true;
+  bool has_boundary = true, has_orientation = true;
 };
 
 MeshArrays to_arrays(const Given& given) {
@@ -95,6 +93,7 @@ MeshArrays to_arrays(const Given& given) {
   for (const auto& [dimension, tag, groups] : given.joint)
     for (const auto& [number, name] : groups) arrays.joint[{dimension, tag}].push_back({number, name});
   arrays.has_boundary = given.has_boundary;
+  arrays.has_orientation = given.has_orientation;
   return arrays;
 }
 
@@ -125,8 +124,13 @@ Array<std::int64_t> cut_elements(const std::string& kind, const Array<std::int64
   return Array<std::int64_t>(static_cast<py::ssize_t>(flat.size()), flat.data());
 }
 
-std::pair<SharedMesh, std::vector<std::string>> read(std::uintptr_t address, const std::filesystem::path& file,
-                                                     bool repair, bool strict, bool split_prisms) {
+/// Warnings and notes of a call, for `say` of Python.
+using Said = std::pair<std::vector<std::string>, std::vector<std::string>>;
+
+std::tuple<SharedMesh, std::vector<std::string>, std::vector<std::string>> read(std::uintptr_t address,
+                                                                                const std::filesystem::path& file,
+                                                                                bool repair, bool strict,
+                                                                                bool split_prisms) {
   auto result = std::make_shared<PythonMesh>();
   result->comm = comm_at(address);
   const auto& comm = *result->comm;
@@ -141,8 +145,9 @@ std::pair<SharedMesh, std::vector<std::string>> read(std::uintptr_t address, con
   if (strict) io::refuse_changes(read, io::source_of(file));
   if (!format.is_native)
     for (const auto& text : remarks_on(comm, read)) tell(io::source_of(file) + ": " + text);
+  for (auto& note : read.notes) note = io::source_of(file) + ": " + note;
   result->mesh = std::move(read.mesh);
-  return {result, remarks};
+  return {result, remarks, read.notes};
 }
 
 /// Inner faces of a case's mesh that are not those of this one. Collective.
@@ -150,32 +155,36 @@ std::int64_t other_foam_faces(const PythonMesh& mesh, const std::filesystem::pat
   return io::count_other_faces(*mesh.comm, case_folder, mesh.mesh);
 }
 
-/// Yields what the format has no place for.
-std::vector<std::string> write(const PythonMesh& mesh, const std::filesystem::path& file,
-                               const std::string& provenance) {
-  std::vector<std::string> remarks;
-  io::write_mesh(*mesh.comm, file, mesh.mesh,
-                 {.provenance = provenance, .remark = [&](const std::string& text) { remarks.push_back(text); }});
-  return remarks;
+/// Yields what the format has no place for. Collective.
+Said write_telling(const par::Comm& comm, const std::filesystem::path& file, const mesh::DistMesh& mesh,
+                   io::MeshWriteOptions options) {
+  Said said;
+  options.remark = [&](const std::string& text) { said.first.push_back(text); };
+  options.note = [&](const std::string& text) { said.second.push_back(text); };
+  io::write_mesh(comm, file, mesh, options);
+  return said;
 }
 
-/// Writes the mesh of an OpenFOAM case, coordinates times `scale`. Yields what the format has no place for. Collective.
-std::vector<std::string> write_foam(const PythonMesh& mesh, const std::filesystem::path& case_folder, double scale) {
-  std::vector<std::string> remarks;
-  const auto write = [&](const mesh::DistMesh& written) {
-    io::write_foam(*mesh.comm, case_folder, written, [&](const std::string& text) { remarks.push_back(text); });
-  };
-  const auto losses = io::texts_of_losses(*mesh.comm, *io::find_format("folder"), mesh.mesh,
-                                          {.remark = [](const std::string&) {}, .keeps_fields = true});
-  if (scale == 1) {
-    write(mesh.mesh);
-  } else {
-    auto scaled = mesh.mesh;
-    for (auto& p : scaled.node_position) p = scale * p;
-    write(scaled);
-  }
-  remarks.insert(remarks.end(), losses.begin(), losses.end());
-  return remarks;
+/// Likewise. Collective.
+Said write(const PythonMesh& mesh, const std::filesystem::path& file, const std::string& provenance) {
+  return write_telling(*mesh.comm, file, mesh.mesh, {.provenance = provenance});
+}
+
+std::vector<const mesh::Field*> reals_of_cells(const mesh::DistMesh& mesh) {
+  std::vector<const mesh::Field*> reals;
+  for (const auto& field : mesh.cell_fields)
+    if (!field.holds_integers()) reals.push_back(&field);
+  return reals;
+}
+
+/// Writes the mesh of an OpenFOAM case, which is a folder, coordinates times `scale`. Fields of reals on cells are not
+/// lost: `write_fields` of Python writes them. Collective.
+Said write_foam(const PythonMesh& mesh, const std::filesystem::path& case_folder, double scale) {
+  if (scale == 1) return write_telling(*mesh.comm, case_folder, mesh.mesh, {.kept = reals_of_cells(mesh.mesh)});
+  auto scaled = mesh.mesh;
+  for (auto& p : scaled.node_position) p = scale * p;
+  scaled.info.length_unit.clear();  // what it was no longer holds
+  return write_telling(*mesh.comm, case_folder, scaled, {.kept = reals_of_cells(scaled)});
 }
 
 void require_valid(const PythonMesh& mesh, const std::string& what) {
@@ -369,7 +378,8 @@ void bind_mesh(py::module_& module) {
       .def_readwrite("regions", &Given::regions)
       .def_readwrite("unused", &Given::unused)
       .def_readwrite("joint", &Given::joint)
-      .def_readwrite("has_boundary", &Given::has_boundary);
+      .def_readwrite("has_boundary", &Given::has_boundary)
+      .def_readwrite("has_orientation", &Given::has_orientation);
   module.def("from_arrays", from_arrays);
   module.def("cut_elements", cut_elements);
   module.def("read", read, py::call_guard<py::gil_scoped_release>());

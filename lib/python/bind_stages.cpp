@@ -13,20 +13,25 @@
 
 #ifdef PAMR_WITH_MESHING
 #include "meshing/associate/associate_surfaces.hpp"
+#include "meshing/associate/association_remarks.hpp"
 #include "meshing/read_mesh_case.hpp"
 #endif
 #include "pamr/adapt/adapt.hpp"
+#include "pamr/adapt/depth.hpp"
 #include "pamr/adapt/forecast.hpp"
 #include "pamr/adapt/parent_data.hpp"
 #include "pamr/adapt/refine_report.hpp"
 #include "pamr/adapt/saved_rows.hpp"
 #include "pamr/balance/rebalance.hpp"
+#include "pamr/balance/weights.hpp"
 #include "pamr/check/quality_report.hpp"
 #include "pamr/check/report_text.hpp"
 #include "pamr/curved/coarse_edges.hpp"
 #include "pamr/locate/locate_points.hpp"
 #include "pamr/mark/apply_criteria.hpp"
 #include "pamr/mark/budget.hpp"
+#include "pamr/mesh/periodic_patches.hpp"
+#include "pamr/mesh/undescribed_patches.hpp"
 #include "python/numpy_arrays.hpp"
 #include "python/python_mesh.hpp"
 
@@ -81,6 +86,26 @@ adapt::GivenMesh given_mesh(const PythonMesh& old, const adapt::Balancing& balan
   return mesh::DistMesh(old.mesh);
 }
 
+/// What the names stand for. A field of weights is looked at here, because nobody else does where no cell may move.
+/// Collective.
+adapt::Balancing balancing_of(const PythonMesh& mesh, const std::string& method, const std::string& weights) {
+  auto balancing = adapt::balancing_named(method, weights);
+  if (balancing.weights == adapt::Weights::field)
+    (void)balance::weights_from_field(*mesh.comm, mesh.mesh, balancing.field);
+  return balancing;
+}
+
+/// Sentences on flags that were not followed and on periodic patches, as pamr-refine has them.
+std::vector<std::string> remarks_on(const adapt::Report& report, const adapt::CoarseningReport& coarsening,
+                                    const mesh::DistMesh& mesh) {
+  std::vector<std::string> remarks{mesh::warning_of_periodic(mesh.info.patches)};
+  if (report.marked_too_deep > 0) remarks.push_back(adapt::too_deep_text(report.marked_too_deep));
+  remarks.push_back(adapt::nothing_coarsened_text(coarsening));
+  std::erase(remarks, "");
+  return remarks;
+}
+
+/// The new mesh, the report and what else to say.
 py::tuple refine(const PythonMesh& old, const Array<std::uint8_t>& flags, const Placing& placing,
                  const Closing& closing, const std::string& method, const std::string& weights) {
   const auto values = rows_of<std::uint8_t>(flags);
@@ -89,12 +114,14 @@ py::tuple refine(const PythonMesh& old, const Array<std::uint8_t>& flags, const 
     auto how = options_of(closing);
     how.project = placing.first;
     how.bend = refine::bend_named(placing.second);
-    const auto balancing = adapt::balancing_named(method, weights);
+    const auto balancing = balancing_of(old, method, weights);
     return adapt::refine(*old.comm, given_mesh(old, balancing), values, how, balancing);
   }();
-  return py::make_tuple(same_ranks(old, std::move(refined.mesh)), to_dict(refined.report));
+  const auto remarks = remarks_on(refined.report, {}, refined.mesh);
+  return py::make_tuple(same_ranks(old, std::move(refined.mesh)), to_dict(refined.report), remarks);
 }
 
+/// Likewise.
 py::tuple adapt_both_ways(const PythonMesh& old, const Array<std::int8_t>& flags, const Placing& placing,
                           const Closing& closing, const std::string& method, const std::string& weights,
                           const std::vector<std::string>& integrals) {
@@ -105,13 +132,14 @@ py::tuple adapt_both_ways(const PythonMesh& old, const Array<std::int8_t>& flags
     how.refinement = options_of(closing);
     how.refinement.project = placing.first;
     how.refinement.bend = refine::bend_named(placing.second);
-    how.balancing = adapt::balancing_named(method, weights);
+    how.balancing = balancing_of(old, method, weights);
     how.refinement.integrals = integrals;
     return adapt::adapt(*old.comm, given_mesh(old, how.balancing), values, how);
   }();
   auto report = to_dict(adapted.report);
   report["coarsening"] = to_dict(adapt::to_json(adapted.coarsening));
-  return py::make_tuple(same_ranks(old, std::move(adapted.mesh)), report);
+  const auto remarks = remarks_on(adapted.report, adapted.coarsening, adapted.mesh);
+  return py::make_tuple(same_ranks(old, std::move(adapted.mesh)), report, remarks);
 }
 
 SharedMesh balanced(const PythonMesh& old, const Array<double>& weights, const std::string& method) {
@@ -214,7 +242,7 @@ std::string text_of_coarse_walls(const PythonMesh& mesh) {
 }
 
 #ifdef PAMR_WITH_MESHING
-/// Patch, surface and largest distance of each association, and what of the files of surfaces was left out.
+/// Patch, surface and largest distance of each association, and on the first rank what to tell of them. Collective.
 std::pair<std::vector<std::tuple<std::string, std::string, double>>, std::vector<std::string>> associate(
     PythonMesh& mesh, const std::string& toml, const std::vector<std::string>& pairs,
     const std::vector<std::pair<std::string, std::string>>& files, double feature_angle, double tolerance) {
@@ -227,9 +255,14 @@ std::pair<std::vector<std::tuple<std::string, std::string, double>>, std::vector
   request.feature_angle = feature_angle;
   request.tolerance = tolerance;
   std::vector<std::tuple<std::string, std::string, double>> result;
-  for (const auto& found : meshing::associate_surfaces(*mesh.comm, mesh.mesh, request))
-    result.emplace_back(found.patch, found.surface, found.worst_distance);
-  return {std::move(result), mesh.mesh.info.surfaces->remarks()};
+  const auto associations = meshing::associate_surfaces(*mesh.comm, mesh.mesh, request);
+  for (const auto& found : associations) result.emplace_back(found.patch, found.surface, found.worst_distance);
+  const auto undescribed = mesh::find_undescribed_patches(*mesh.comm, mesh.mesh);
+  std::vector<std::string> remarks;
+  if (!mesh.comm->is_first()) return {std::move(result), remarks};
+  remarks = meshing::remarks_on(associations, *mesh.mesh.info.surfaces);
+  for (auto& text : mesh::warnings_of(mesh.mesh.info, undescribed)) remarks.push_back(std::move(text));
+  return {std::move(result), std::move(remarks)};
 }
 #endif
 

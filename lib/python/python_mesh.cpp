@@ -79,7 +79,7 @@ MadeMesh mesh_from_arrays(std::shared_ptr<const par::Comm> comm, MeshArrays arra
       found->second.number = -1;
     }
   const auto unused = arrays.unused_groups;
-  const bool has_boundary = comm->any(arrays.has_boundary);
+  const bool has_boundary = comm->any(arrays.has_boundary), has_orientation = arrays.has_orientation;
   const auto length_unit = arrays.length_unit;
   auto read = io::mesh_of_elements(*comm, to_parts(*comm, std::move(arrays)), source, options,
                                    [&](std::int64_t tag) { return patch_of_tag.at(tag); });
@@ -90,6 +90,7 @@ MadeMesh mesh_from_arrays(std::shared_ptr<const par::Comm> comm, MeshArrays arra
   if (!has_boundary) read.n_untagged_faces = 0;
   read.unused_groups.insert(read.unused_groups.begin(), unused.begin(), unused.end());
   made.n_turned = read.n_turned;
+  if (!has_orientation) read.n_turned = 0;
   made.remarks = remarks_on(*comm, read);
   made.mesh->node_origin = std::move(read.node_origin);
   made.mesh->mesh = std::move(read.mesh);

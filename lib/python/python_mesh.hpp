@@ -48,7 +48,8 @@ struct MeshArrays {
   std::vector<io::UnusedGroup> unused_groups;  ///< that have been left out already, on the first rank
   /// Of groups that stand for several, by dimension and tag, these in ascending order.
   std::map<std::pair<int, std::int64_t>, std::vector<mesh::Group>> joint;
-  bool has_boundary = true;  ///< else faces without a triangle are no news
+  bool has_boundary = true;     ///< else faces without a triangle are no news
+  bool has_orientation = true;  ///< else inverted cells are none
 };
 
 struct MadeMesh {

@@ -24,7 +24,7 @@ void write_seed_files(const par::Comm& comm, const std::filesystem::path& folder
   const auto mesh = test::mesh_with_fields(comm, 2, 1);
   io::write_medit(comm, folder / "good.meshb", mesh);
   for (int i = 0; i < n_seed_files(); ++i) {
-    io::write_medit_fields(comm, folder / seed_name(i), mesh);
+    io::write_medit_fields(comm, folder / seed_name(i), mesh, io::choose_medit_fields(mesh, {}));
   }
   for (int i = 0; i < n_seed_files(); ++i) read_file(comm, folder / seed_name(i));  // good ones
 }

@@ -2,16 +2,18 @@
 """Meshes of other programs: dialects of their formats, files that are something else, and one way in for files and arrays: the
 same mesh, the same words."""
 import gzip
+import itertools
 import pathlib
 import re
 import shutil
 import subprocess
 import warnings
+from collections import Counter
 
 import numpy as np
 
 import pamr
-from collective import COMM, error_of, in_folder, run_tests
+from collective import CELLS, COMM, POINTS, error_of, in_folder, run_tests
 
 CONVERT = pathlib.Path(pamr.__file__).resolve().parents[2] / "bin" / "pamr-convert"
 HEAD = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n"
@@ -107,6 +109,7 @@ def test_what_files_have_beside_a_mesh_is_told():
     values = '${0}\n1\n"T"\n1\n0.0\n3\n0\n1\n1\n1 2.5\n$End{0}\n'
     sets = ('bdr_attribute_sets\n3\n"near" 1 1\n"again" 1 1\n"both" 2 1 2\n\nvertices\n')
     field = "FIELD FieldData 2\nTIME 1 1 double\n3.5\nwho 1 1 string\nme\nPOINTS"
+    send = "MARKER_TAG= SEND_RECEIVE\nMARKER_ELEMS= 2\nSEND_TO= 1\n1 0 0\n1 1 0\n"
     lines = VTK.replace("CELLS 5 21", "CELLS 7 26").replace("CELL_TYPES 5\n", "2 0 1\n1 0\nCELL_TYPES 7\n3\n1\n")
     lines = lines.replace("3 1 2 3\n2 0 1\n1 0", "3 1 2 3\n2 0 1\n1 0").replace("7\n3\n1\n10\n5\n5\n5\n5", "7\n10\n5\n5\n5\n5\n3\n1")
     lines = lines.replace("CELL_DATA 5", "CELL_DATA 7").replace("7 1 1 2 2", "7 1 1 2 2 4 4")
@@ -122,12 +125,23 @@ def test_what_files_have_beside_a_mesh_is_told():
              [beside + "NormalAtVertices (1), Normals (1)"]),
             ("sets.mfem", MFEM.replace("v1.0", "v1.3").replace("vertices\n", sets),
              ["the set 'both' of 2 attributes was left out", "the set 'again' was left out: attribute 1 is 'near'"]),
+            ("cells.mfem", MFEM.replace("v1.0", "v1.3").replace("vertices\n", 'attribute_sets\n2\n"all" 2 7 8\n"none" 0\n\nvertices\n'),
+             ["the set 'all' of 2 attributes was left out", "the set 'none' of 0 attributes was left out"]),
+            ("far.mfem", MFEM.replace("v1.0", "v1.3").replace("vertices\n", 'bdr_attribute_sets\n1\n"far" 1 9\n\nvertices\n'),
+             ["1 named group has no element: 'far' (triangles)"]),
+            ("after.mfem", MFEM + "mfem_mesh_end\nFiniteElementSpace\n", [beside + "data behind mfem_mesh_end (1)"]),
             ("field.vtk", VTK.replace("POINTS", field, 1),
              [f"the array '{array}' was left out: it is neither on points nor on cells" for array in ("TIME", "who")]),
             ("lines.vtk", lines, ["2 points and lines were left out"]),
             ("references.mesh", MEDIT.replace("4\n0 0 0 0\n1 0 0 0\n", "4\n0 0 0 3\n1 0 0 -4\n"), [beside + "references of vertices (2)"]),
             ("angle.mesh", MEDIT.replace("End", "AngleOfCornerBound\n10\nMine 1\nb 2\nEnd"),
              [beside + "AngleOfCornerBound (1), Mine (1), b (1)"]),
+            ("after.mesh", MEDIT + "Tetrahedra\n1\n1 2 3 4 8\n", [beside + "data behind End (1)"]),
+            ("angles.su2", SU2 + "AOA= 2.5\nAOS= 0\n", [beside + "AOA (1), AOS (1)"]),
+            ("lines.su2", SU2.replace("MARKER_ELEMS= 2\n5 0 1 2\n", "MARKER_ELEMS= 5\n3 0 1\n5 0 1 2\n1 0\n3 1 2\n", 1),
+             [beside + "lines (2), points (1)"]),
+            ("send.su2", SU2.replace("NMARK= 2", "NMARK= 3") + send,
+             [beside + "SEND_RECEIVE markers, which join parts of a mesh (1), points (2)"]),
             ("boxes.su2", SU2 + "FFD_NBOX= 1\nFFD_LEVEL= 0\n0 1 2\nFFD_LEVEL= 1\n", [beside + "FFD_LEVEL (2), FFD_NBOX (1)"]),
             ("table.vtk", VTK + "SCALARS s float 1\nLOOKUP_TABLE hot\n1 2 3 4\nLOOKUP_TABLE hot 2\n0 0 0 1 1 1 1 1\n",
              ["the table 'hot' of 2 colors was left out (LOOKUP_TABLE)"]),
@@ -136,7 +150,21 @@ def test_what_files_have_beside_a_mesh_is_told():
              ["the array 'level' was left out: one of that name and type says how often cells were refined"])]:
         mesh, told = read(name, text)
         assert mesh.n_cells == 1 and told == words, (name, told)
-        assert words[0].split(":")[0] in error_of(lambda: pamr.Mesh.read(COMM, name, strict=True)), name
+        first = words[0].split(":")[0].replace("1 named group has no element", "elements in every named group")
+        assert first in error_of(lambda: pamr.Mesh.read(COMM, name, strict=True)), name
+    packed = np.array([1, 2], "<i4").tobytes() + np.array([3, 20, 3, 4], "<i4").tobytes()  # as Medit's own library ends a file
+    for tail, n in ((np.array([54, 0], "<i4").tobytes(), 0), (np.array([54, 0, 6, 0], "<i4").tobytes() + packed, 1)):
+        told_by(lambda: pamr.Mesh.kuhn_cube(COMM, 1).write("end.meshb"))
+        if COMM.rank == 0:
+            with open("end.meshb", "r+b") as file:
+                data = file.read()
+                at = data.rindex(np.array([54], "<i4").tobytes())
+                file.truncate(at)
+                file.seek(at)
+                file.write(tail)
+        COMM.barrier()
+        _, told = told_by(lambda: pamr.Mesh.read(COMM, "end.meshb"))
+        assert len(told) == n and ("data behind End (1)" in "".join(told)) == bool(n), told
 
 
 @in_folder
@@ -278,33 +306,56 @@ def test_what_cgns_has_beside_a_mesh_is_told():
                 zone[name].attrs["name"] = np.bytes_(name)
                 del zone[name]["GridLocation"][" data"]
                 zone[name]["GridLocation"][" data"] = np.frombuffer(what.encode(), np.int8)
+            for name, label in (("ZoneBC/xmax/data", "BCDataSet_t"), ("GridCoordinates/units", "DataClass_t"), ("NodeFields/text", "Descriptor_t"),
+                                ("GridCoordinates/CoordinateX/units", "DimensionalUnits_t"), ("NodeFields/T/exponents", "DimensionalExponents_t")):
+                node = zone.create_group(name)
+                node.attrs["label"] = np.bytes_(label)
+            file.copy(zone["GridCoordinates/CoordinateX"], zone["GridCoordinates"], "CoordinateR")
+            zone["GridCoordinates/CoordinateR"].attrs["name"] = np.bytes_("CoordinateR")
+            for name, kind in (("xmax", "BCExtrapolate"), ("ymin", "BCTunnelInflow"), ("ymax", "BCGeneral"), ("zmin", "BCWallViscous")):
+                replace_data(zone["ZoneBC"][name], np.frombuffer(kind.encode(), np.int8))
     COMM.barrier()
     back, told = told_by(lambda: pamr.Mesh.read(COMM, "more.cgns"))
     assert back.n_cells == 6 and list(back.node_fields) == ["T"], list(back.node_fields)
     assert [line.split("': ", 1)[1] for line in told] == [
-        "left out was what a mesh has no place for: Descriptor_t (1), DimensionalUnits_t (1), arrays of solutions at FaceCenter (1), "
-        "arrays of solutions of other sizes (1), arrays of solutions whose name another has (1), lines (2)"], told
+        "the type 'BCExtrapolate' of the condition 'xmax' was left out", "the type 'BCTunnelInflow' of the condition 'ymin' was left out",
+        "left out was what a mesh has no place for: BCDataSet_t (1), DataClass_t (1), Descriptor_t (2), DimensionalExponents_t (1), "
+        "DimensionalUnits_t (2), arrays beside the coordinates (1), arrays of solutions at FaceCenter (1), arrays of solutions of other sizes (1), "
+        "arrays of solutions whose name another has (1), lines (2)"], told
+    assert {p[1] for p in back._core.patches if p[0] == "zmin"} == {"wall"}
 
 
 @in_folder
 def test_a_condition_of_cgns_is_for_the_boundary_alone():
     points, cells, _, triangles, _ = two_regions()
     rows = (lambda array: array if COMM.rank == 0 else array[:0])
-    mesh = told_by(lambda: pamr.Mesh.from_arrays(COMM, rows(points), rows(cells), (rows(triangles), rows(np.array([1, 1, 2, 2, 1]))),
-                                                 {1: ("wall", "wall"), 2: "rest"}))[0]
-    mesh.write("both.cgns")
-    if COMM.rank == 0:
-        import h5py
-        with h5py.File("both.cgns") as file:
-            zone = file["Base/Zone1"]
-            first, last = zone["wall/ElementRange/ data"][:]
-            assert last - first + 1 == 3 and list(zone["ZoneBC/wall/PointRange/ data"][:].ravel()) == [first, first + 1]
-            inner = zone["wall/ElementConnectivity/ data"][6:]
-            x = zone["GridCoordinates/CoordinateX/ data"][:][inner - 1]
-            assert sorted(x) == [0, 0, 1], x
-    back = told_by(lambda: pamr.Mesh.read(COMM, "both.cgns"))[0]
-    inner = back.inner_faces()
-    assert faces_of(back)["wall"] == 2 and COMM.allreduce([back.patches[p] for p in inner.patches[inner.first]]) == ["wall"]
+    for inside, other, refined in (("wall", 2, False), ("wall", 2, True), ("rest", 1, False), ("sheet", 2, False)):
+        names = {1: ("wall", "wall"), 2: ("rest", "outflow"), 3: ("sheet", "wall")}
+        tag = next(t for t, (name, _) in names.items() if name == inside)
+        used = {t: names[t] for t in {1, 2, tag}}
+        mesh = told_by(lambda: pamr.Mesh.from_arrays(COMM, rows(points), rows(cells), (rows(triangles), rows(np.array([1, 1, 2, 2, tag]))), used))[0]
+        if refined:
+            mesh = pamr.refine(mesh, np.ones(len(mesh.cells), int)).mesh
+        n = 4 if refined else 1
+        _, told = told_by(lambda: mesh.write("both.cgns"))
+        kinds = [line for line in told if "the kinds of" in line]  # of faces inside alone, which have no condition
+        assert kinds == (["left out: the kinds of 1 patch ('wall'): files of CGNS have no place for that"] if inside == "sheet" else []), told
+        if COMM.rank == 0:
+            import h5py
+            with h5py.File("both.cgns") as file:
+                zone = file["Base/Zone1"]
+                assert sorted(zone["ZoneBC"]) == (["boundary", "rest", "wall"])
+                for name in ("wall", "rest"):
+                    first, last = zone[name + "/ElementRange/ data"][:]
+                    assert last - first + 1 == n * (3 if name == inside else 2), (name, first, last)
+                    assert list(zone[f"ZoneBC/{name}/PointRange/ data"][:].ravel()) == [first, first + 2 * n - 1]
+                inner = zone[inside + "/ElementConnectivity/ data"][-3 * n:]
+                x = zone["GridCoordinates/CoordinateX/ data"][:][inner - 1]
+                assert sorted(x[:3]) == [0, 0, 1] or refined, x
+        back = told_by(lambda: pamr.Mesh.read(COMM, "both.cgns"))[0]
+        inner, faces = back.inner_faces(), faces_of(back)
+        assert faces["wall"] == faces["rest"] == 2 * n and COMM.allreduce([back.patches[p] for p in inner.patches[inner.first]]) == n * [inside]
+        assert {name: kind for name, kind, _ in back._core.patches if kind} == {"wall": "wall", "rest": "outflow"}
 
 
 @in_folder
@@ -332,6 +383,52 @@ def test_names_kinds_groups_and_units_without_a_place_are_told():
 
 
 @in_folder
+def test_words_of_patches_inside_and_of_regions_without_a_place_are_told():
+    groups = ('$PhysicalNames\n5\n2 1 "wall"\n2 2 "rest"\n2 5 "sheet"\n3 3 "gas"\n3 4 "hot"\n$EndPhysicalNames\n')
+    points, cells, region, triangles, tags = two_regions()
+    text = as_files(points, cells, region, triangles, tags)["two.msh"].replace("$Nodes", groups + "$Nodes")
+    twice = ["90 4 2 4 3 1 2 3 4", "95 2 2 2 5 2 3 4"]  # in a second group each
+    n = len(triangles) + len(cells)
+    text = text.replace(f"$Elements\n{n}", f"$Elements\n{n + len(twice)}").replace("$EndElements", "\n".join(twice) + "\n$EndElements")
+    mesh, told = told_by(lambda: pamr.Mesh.read(COMM, write("groups.msh", text)))
+    assert list(mesh.patch_groups.values()) == [{2: "rest", 5: "sheet"}] and list(mesh.region_groups.values()) == [{3: "gas", 4: "hot"}], (
+        mesh.patch_groups, mesh.region_groups, told)
+    for name, words in [("case", "left out: the groups of 1 patch and the groups of 1 region: files of OpenFOAM"), ("again.msh", ""),
+                        ("a.cgns", "left out: the groups of 1 patch, the groups of 1 region"), ("a.vtu", "the groups of 1 patch, the groups of 1 region")]:
+        _, told = told_by(lambda: mesh.write(name))
+        assert words in " ".join(told) and ("groups" in " ".join(told)) == bool(words), (name, told)
+    mesh = told_by(lambda: pamr.Mesh.from_arrays(COMM, only_on_first(points), only_on_first(cells), (only_on_first(triangles), only_on_first(tags)),
+                                                 {5: ("sheet", "wall")}))[0]
+    for name in ("inner", "inner.cgns"):
+        assert "left out: the kinds of 1 patch ('wall'): files of" in " ".join(told_by(lambda: mesh.write(name))[1]), name
+    mesh.cell_fields["region"], mesh.node_fields["region"] = np.ones(len(mesh.cells)), np.ones(len(mesh.points), int)  # neither are regions
+    for name in ("region.msh", "region.mesh", "region"):
+        assert "2 fields are left out: 'region' on cells, 'region' on nodes" in " ".join(told_by(lambda: mesh.write(name))[1]), name
+
+
+@in_folder
+def test_names_that_become_references_are_told():
+    cube = pamr.Mesh.kuhn_cube(COMM, 1)
+    told_by(lambda: cube.write("one.mesh"))
+    back = told_by(lambda: pamr.Mesh.read(COMM, "one.mesh"))[0]
+    points, cells, _, triangles, tags = two_regions()
+    rows = only_on_first
+    numbered = told_by(lambda: pamr.Mesh.from_arrays(COMM, rows(points), rows(cells), (rows(triangles), rows(tags)), {1: "wall", 2: "ref_2", 5: "sheet"}))[0]
+    n_cells = Counter(tuple(sorted(face)) for cell in CELLS.tolist() for face in itertools.combinations(cell, 3))
+    outer = np.array([face for face, n in n_cells.items() if n == 1])  # each a patch
+    many = told_by(lambda: pamr.Mesh.from_arrays(COMM, rows(POINTS), rows(CELLS), (rows(outer), rows(np.arange(12)))))[0]
+    for ending in (".mesh", ".meshb"):
+        for mesh, words in ((cube, "6 patches have references instead of their names: 1 for 'xmin', 2 for 'xmax', 3 for 'ymin', 4 for 'ymax', 5 for "
+                                   "'zmin' and 6 for 'zmax'"), (back, None),
+                            (numbered, "3 patches have references instead of their names: 1 for 'wall', 5 for 'sheet' and 3 for 'boundary'"),
+                            (many, "12 patches have references instead of their names: ")):
+            _, told = told_by(lambda: mesh.write(f"names{ending}"))
+            told = [line for line in told if "references" in line]
+            assert len(told) == (words is not None) and (not told or told[0].startswith(words)), told
+            assert mesh is not many or told[0].endswith(", ... (all are in the report, --json, as references)"), told
+
+
+@in_folder
 def test_triangles_in_two_conditions_of_cgns_are_counted():
     for name, part in (("all.cgns", 1), ("half.cgns", 2)):
         mesh = pamr.Mesh.kuhn_cube(COMM, 2)
@@ -349,6 +446,50 @@ def test_triangles_in_two_conditions_of_cgns_are_counted():
         both = f"{8 // part} triangles are in the group "
         assert sum(both in line and "'other'" in line and "'xmin'" in line for line in told) == 1, told
         assert COMM.allreduce(len(back.boundary_faces().cells)) == 48, name
+
+
+def name_vertices(group, numbers):
+    """Makes a condition of CGNS on faces one on vertices."""
+    del group["GridLocation"]
+    replace_data(group["PointRange"], np.asarray(numbers, group["PointRange/ data"].dtype).reshape(-1, 1))
+    group.move("PointRange", "PointList")
+    group["PointList"].attrs["label"], group["PointList"].attrs["name"] = np.bytes_("IndexArray_t"), np.bytes_("PointList")
+
+
+@in_folder
+def test_vertices_and_cells_in_two_conditions_of_cgns_are_counted():
+    def add(file, like, name, change):
+        conditions = file["Base/Zone1/ZoneBC"]
+        file.copy(conditions[like], conditions, name)
+        conditions[name].attrs["name"] = np.bytes_(name)
+        change(conditions[name])
+
+    def vertices(file):  # of faces that a condition on faces has, and one on vertices
+        x = file["Base/Zone1/GridCoordinates/CoordinateX/ data"][:]
+        for name in ("some", "others"):
+            add(file, "xmin", name, lambda group: name_vertices(group, np.flatnonzero(x == 0) + 1))
+
+    def alone(file):  # the same vertices twice, and no faces
+        x = file["Base/Zone1/GridCoordinates/CoordinateX/ data"][:]
+        name_vertices(file["Base/Zone1/ZoneBC/xmin"], np.flatnonzero(x == 0) + 1)
+        add(file, "xmin", "some", lambda group: None)
+
+    def cells(file):
+        for name, last in (("gas", 30), ("solid", 48)):
+            add(file, "xmin", name, lambda group: (replace_data(group["PointRange"], np.array([[21], [last]], np.int32)),
+                                                   replace_data(group["GridLocation"], np.frombuffer(b"CellCenter", np.int8))))
+    for how, n, words in ((vertices, 2, ["8 triangles are in the group 'xmin' and in 'some'", "8 triangles are in the group 'xmin' and in 'others'"]),
+                          (alone, 1, ["8 triangles are in the group 'xmin' and in 'some'"]),
+                          (cells, 1, ["10 tetrahedra are in the group 'gas' and in 'solid'"])):
+        pamr.Mesh.kuhn_cube(COMM, 2).write("two.cgns")
+        if COMM.rank == 0:
+            import h5py
+            with h5py.File("two.cgns", "r+") as file:
+                how(file)
+        COMM.barrier()
+        back, told = told_by(lambda: pamr.Mesh.read(COMM, "two.cgns"))
+        assert sum("in the group" in line for line in told) == n and all(any(w in line for line in told) for w in words), (how.__name__, told)
+        assert faces_of(back)["xmin"] == 8, faces_of(back)
 
 
 @in_folder
@@ -741,6 +882,43 @@ def test_a_cgns_file_of_several_parts_is_refused():
                 file[place][name].attrs["name"] = np.bytes_(name)
         COMM.barrier()
         assert words in error_of(lambda: pamr.Mesh.read(COMM, "parts.cgns")), words
+
+
+@in_folder
+def test_several_parts_in_a_file_are_refused():
+    pamr.Mesh.kuhn_cube(COMM, 1).write("one.vtu")
+    piece = pathlib.Path("one.vtu").read_bytes()
+    begin, end = piece.index(b"<Piece"), piece.index(b"</Piece>") + len(b"</Piece>")
+    for name, text, words in (
+            ("pieces.vtu", piece[:end] + piece[begin:end] + piece[end:], "expected an unstructured grid of 1 piece, found 2"),
+            ("grids.vtk", VTK + VTK[VTK.index("DATASET"):], "expected a keyword of the format, found \"dataset\""),
+            ("zones.su2", "NZONE= 2\nIZONE= 1\n" + SU2, "expected one zone, found 2"),
+            ("halo.su2", SU2.replace("NPOIN= 4", "NPOIN= 4 3"), "expected a mesh in one part with 4 points of its own, found 3"),
+            ("blocks.mesh", MEDIT.replace("End", "Tetrahedra\n1\n1 2 3 4 8\nEnd"), "expected Tetrahedra once, found it again"),
+            ("blocks.msh", MSH + NODES + ELEMENTS, "expected every node number once, found 1 twice")):
+        assert words in error_of(lambda: pamr.Mesh.read(COMM, write(name, text))), (name, error_of(lambda: pamr.Mesh.read(COMM, name)))
+    assert pamr.Mesh.read(COMM, write("own.su2", SU2.replace("NPOIN= 4", "NPOIN= 4 4"))).n_cells == 1
+
+
+@in_folder
+def test_cells_that_are_no_tetrahedra_are_refused_in_every_format():
+    import meshio
+    points = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.0], [5, 0, 0], [6, 0, 0], [6, 1, 0], [5, 1, 0], [5, 0, 1], [6, 0, 1], [6, 1, 1], [5, 1, 1]])
+    for kind, n, words in (("hexahedron", 8, "1 hexahedra"), ("wedge", 6, "1 prisms"), ("pyramid", 5, "1 pyramids"), ("quad", 4, "1 quadrangles"),
+                           ("tetra10", 10, "1 tetrahedra of second order"), ("triangle6", 6, "1 triangles of second order")):
+        given = meshio.Mesh(points, [("tetra", [[0, 1, 2, 3]]), (kind, [[*range(4, 4 + n)] if n <= 8 else [*range(n)]])])
+        for form, ending in (("gmsh22", ".msh"), ("vtu", ".vtu"), ("vtk", ".vtk"), ("medit", ".mesh"), ("ugrid", ".lb8.ugrid")):
+            if form in ("medit", "ugrid") and kind in ("tetra10", "triangle6"):
+                continue  # meshio does not write them
+            name = "other" + ending
+            if COMM.rank == 0:
+                meshio.write(name, given, file_format=form)
+            COMM.barrier()
+            message = error_of(lambda: pamr.Mesh.read(COMM, name))
+            assert message.startswith(f"file '{name}'") and f"found {words}" in message, (form, message)
+        assert f"1 of type {kind}" in error_of(lambda: pamr.from_meshio(COMM, given if COMM.rank == 0 else None))
+    for old, new, words in (("10 0 1 2 3", "12 0 1 2 3 0 1 2 3", "1 hexahedra"), ("10 0 1 2 3", "14 0 1 2 3 0", "1 pyramids"), ("5 1 2 3", "9 1 2 3 0", "1 quadrangles")):
+        assert f"found {words}" in error_of(lambda: pamr.Mesh.read(COMM, write("other.su2", SU2.replace(old, new))))
 
 
 @in_folder

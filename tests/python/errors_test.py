@@ -203,6 +203,12 @@ def test_fields_flags_and_the_rest():
     expect("quality_control: expected one of", lambda: pamr.refine(mesh, np.zeros(n, int), quality_control="good"))
     expect("shape_floor: expected a number from 0 to 1", lambda: pamr.refine(mesh, np.zeros(n, int), shape_floor=1.5))
     expect("balance: expected one of", lambda: pamr.refine(mesh, np.zeros(n, int), balance="fair"))
+    mesh.cell_fields["rows"], mesh.cell_fields["bad"] = np.ones((n, 2)), wrong_here(np.ones(n), np.full(n, np.nan))
+    for call in (pamr.refine, pamr.adapt):  # where no cell moves, too
+        for weights, words in (("none", "expected a cell field 'none', found none"), ("rows", "one component, found 'rows' of 2"),
+                               ("bad", "cell field 'bad': expected finite numbers"), (8, "weights: expected \"exact\"")):
+            for balance in ("auto", "none"):
+                expect(words, lambda: call(mesh, np.zeros(n, int), weights=weights, balance=balance))
     expect("nowhere", lambda: pamr.mark.patch(mesh, "nowhere"))
     expect("no_such", lambda: pamr.mark.field(mesh, "no_such", above=1))
     expect("either above or below", lambda: pamr.mark.field(mesh, "no_such"))

@@ -67,6 +67,25 @@ def test_every_ending_comes_back_from_python_and_from_the_tool():
 
 
 @in_folder
+def test_what_is_replaced_keeps_its_rights_whatever_the_format():
+    mesh = pamr.Mesh.kuhn_cube(COMM, 1)
+    mesh.write("cube.hdf")
+    for ending in WRITTEN:
+        name = pathlib.Path(f"mine{ending}" if ending else "mine/constant/polyMesh")
+        for mode in (0o600, 0o640, 0o444) if ending else (0o700, 0o750):
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                mesh.write(f"mine{ending}")
+                if COMM.rank == 0:
+                    name.chmod(mode)
+                COMM.barrier()
+                mesh.write(f"mine{ending}")
+            assert name.stat().st_mode & 0o777 == mode, (ending, oct(name.stat().st_mode))
+            if COMM.size == 1 and mode in (0o600, 0o700):
+                assert convert("cube.hdf", f"mine{ending}", "--force")[0] == 0 and name.stat().st_mode & 0o777 == mode, ending
+
+
+@in_folder
 def test_endings_that_are_not_read_or_not_known_have_one_message():
     readable = ", ".join(ending for ending, is_read in ENDINGS.items() if is_read and ending)
     not_read = [ending for ending, is_read in ENDINGS.items() if not is_read] + [".xyz", ".ugrid", ".r8.ugrid", ".h5"]

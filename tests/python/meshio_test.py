@@ -242,6 +242,11 @@ def test_what_is_left_out_beside_tags_is_said():
     assert regions_of(mesh) == [3] * 6 and faces_of(mesh) == {"steel": 1, "boundary": 11}
     assert "the field 'region' has the cell data of this name: 'steel' (2 tetrahedra)" in told[0]
     assert "point sets were left out: 'corner' (1 points)" in told[1]
+    beside = meshio.Mesh(POINTS, [("tetra", CELLS), ("line", [[0, 1], [1, 3]]), ("vertex", [[0]])], field_data={"TIME": np.array([3.5]), "who": "me"})
+    beside.gmsh_periodic = [[2, (1, 2), None, np.array([[0, 1]])], [1, (3, 4), None, np.array([[0, 1]])]]  # of surfaces and of curves
+    _, told = taken(beside)
+    assert told == [f"from_meshio: {text}" for text in (
+        "3 points and lines were left out", "field data were left out: 'TIME', 'who'", "1 periodic link of surfaces was left out")], told
 
 
 def test_triangles_within_the_mesh_points_of_nothing_and_inverted_cells():

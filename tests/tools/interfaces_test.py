@@ -151,7 +151,21 @@ def test_fields_and_regions_without_a_place_are_told():
                        ("all.lb8.ugrid", both), ("all.vtu", ""), ("all.cgns", ""), ("all.stl", "")):
         err = run("pamr-convert", "all.hdf", out).err
         assert words in err if words else "warning" not in err, (out, err)
-    assert "field" not in run("pamr-convert", "all.hdf", "with.meshb", "--sol-out", "with.sol").err
+    told = run("pamr-convert", "all.hdf", "with.meshb", "--sol-out", "with.sol").err
+    assert "field is left out" not in told and "note: files of Medit have no names of fields: in order, with.sol has 'T'" in told, told
+    assert "note: the fields of with.sol were left out (--sol-in of pamr-convert reads them)" in run("pamr-convert", "with.meshb", "x.hdf").err
+    assert "the fields" not in run("pamr-convert", "with.meshb", "y.hdf", "--sol-in", "with.sol", "--sol-fields", "T").err
+    run("pamr-convert", "all.hdf", "with.mesh", "--sol-out", "with.solb", "--quiet")
+    noted = run("pamr-convert", "with.mesh", "z.hdf").err
+    assert all(f"note: the fields of with.{ending} were left out" in noted for ending in ("sol", "solb")), noted
+    pathlib.Path("with.sol").unlink()
+    assert run("pamr-convert", "with.mesh", "z.hdf", "--force").err.count("note: the fields of with.") == 1
+    add_cell_field("all.hdf", "p", np.arange(6.0))
+    add_cell_field("all.hdf", "four", np.ones((6, 4)))  # Medit has none of four components
+    for names, words in ((["--sol-fields", "p"], "2 fields are left out: 'T' on cells, 'four' on cells: files of Medit"),
+                         ([], "1 field is left out: 'four' on cells: files of Medit")):
+        told = run("pamr-convert", "all.hdf", "with.meshb", "--sol-out", "with.sol", *names, "--force").err
+        assert words in told and f"with.sol has {'' if names else chr(39) + 'T' + chr(39) + ' and '}'p'" in told, told
     run("pamr-mark", "all.hdf", "-o", "marked.hdf", "--crossing-sphere", "0,0,0,0.5", "--quiet")
     run("pamr-refine", "marked.hdf", "-o", "fine.hdf", "--quiet")
     told = run("pamr-convert", "fine.hdf", "fine.msh").err
@@ -184,6 +198,16 @@ def test_what_lies_beside_the_mesh_of_a_case_is_noted():
     assert "pamr-convert: note: 1 region of the case has a mesh of its own, which was left out: solid" in told, told
     shutil.rmtree("case/constant/polyMesh")
     refuses("pamr-convert", "case", "none.hdf", says=["regions alone", "solid"], creates="none.hdf")
+
+
+def test_options_that_would_do_nothing_are_refused():
+    kuhn_cube("cube.hdf", 1)
+    pathlib.Path("plane.toml").write_text('[[surface]]\nname = "xmin"\nkind = "plane"\npoint = [0, 0, 0]\nnormal = [1, 0, 0]\n')
+    refuses("pamr-convert", "cube.hdf", "cube.msh", "--tolerance", "1e-3", says=["--tolerance: expected --surface, --surfaces, --cad"], creates="cube.msh")
+    for option in (["--kind", "xmin=wall"], ["--surfaces", "plane.toml"]):
+        refuses("pamr-convert", "cube.hdf", "cube.stl", *option, says=[f"{option[0]}: expected a mesh to write, found a boundary"], creates="cube.stl")
+    run("pamr-convert", "cube.hdf", "plain.msh", "--quiet", serial=True)
+    run("pamr-convert", "plain.msh", "cube.vtu", "--surfaces", "plane.toml", "--tolerance", "1e-3", "--kind", "xmin=wall")
 
 
 def test_what_has_no_interfaces():

@@ -224,6 +224,12 @@ std::string check_files(cli::Session& session, const Options& options) {
     throw Error("--cad: expected a mesh to write, found a boundary: " + options.output);
   if (as_boundary && options.recognize)
     throw Error("--recognize: expected a mesh to write, found a boundary: " + options.output);
+  if (as_boundary && !options.surfaces.empty())
+    throw Error("--surfaces: expected a mesh to write, found a boundary: " + options.output);
+  if (as_boundary && !options.kinds.empty())
+    throw Error("--kind: expected a mesh to write, found a boundary, which has no kinds: " + options.output);
+  if (!brings_surfaces(options) && options.tolerance >= 0)
+    throw Error("--tolerance: expected --surface, --surfaces, --cad or --recognize beside it, found none");
   if (options.surface_files.empty() && options.feature_angle >= 0)
     throw Error("--feature-angle: expected --surface beside it, found none");
   if (!options.creases.empty() && options.surface_files.size() != 1)

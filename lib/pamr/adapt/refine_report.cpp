@@ -106,6 +106,14 @@ nlohmann::json to_json(const curved::Level0Shapes& shapes) {
           {"all_splits", place(shapes.all_splits)}};
 }
 
+std::string nothing_coarsened_text(const CoarseningReport& report) {
+  if (report.octets_gone > 0 || report.cells_without_parent == 0) return {};
+  return fmt::format(
+      "nothing was coarsened: of {} cells that may be coarsened {} know no parent (they are of level 0, of "
+      "broken families or of files without their history)",
+      report.cells_flagged, report.cells_without_parent);
+}
+
 nlohmann::json to_json(const CoarseningReport& report) {
   return {{"cells_flagged", report.cells_flagged},
           {"cells_without_parent", report.cells_without_parent},

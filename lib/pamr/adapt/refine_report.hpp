@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <nlohmann/json.hpp>
+#include <string>
 #include <vector>
 
 #include "pamr/adapt/adapt.hpp"
@@ -28,6 +29,10 @@ struct Measured {
 nlohmann::json to_json(const Report& report);
 /// Counts of coarsening, by the keys of docs/coarsening.md. Local.
 nlohmann::json to_json(const CoarseningReport& report);
+
+/// Why flagged cells were not coarsened where none was, because they know no parent; empty otherwise. That is no error.
+/// Local.
+std::string nothing_coarsened_text(const CoarseningReport& report);
 /// The shapes that a map of level 0 makes, by the keys of docs/tools/pamr-refine.md. Local.
 nlohmann::json to_json(const curved::Level0Shapes& shapes);
 

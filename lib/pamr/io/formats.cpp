@@ -12,6 +12,7 @@
 
 #include "pamr/assemble/assemble.hpp"
 #include "pamr/base/error.hpp"
+#include "pamr/base/listed.hpp"
 #include "pamr/io/cgns/read_cgns.hpp"
 #include "pamr/io/elements/first_line.hpp"
 #include "pamr/io/export/write_boundary.hpp"
@@ -86,6 +87,7 @@ const std::vector<Format> table{
      .has_numbers = true,
      .has_region_names = true,
      .has_groups = true,
+     .has_groups_inside = true,
      .has_empty_patches = true,
      .has_interfaces = true,
      .has_second_order = true,
@@ -178,10 +180,7 @@ const std::vector<Format> table{
 };
 
 std::string list(const std::vector<std::string_view>& endings, std::string_view before_last) {
-  std::string text;
-  for (std::size_t i = 0; i < endings.size(); ++i)
-    text += fmt::format("{}{}", i == 0 ? "" : i + 1 == endings.size() ? before_last : ", ", endings[i]);
-  return text;
+  return listed(endings, {before_last, all_items});
 }
 
 /// The ending itself, and why no mesh is read from such a file.

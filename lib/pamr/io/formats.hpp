@@ -39,7 +39,7 @@ struct MeshWriteOptions {
   GmshWriteOptions gmsh = {};                                  ///< the interfaces are for Medit, too
   const mesh::SecondOrder* second_order = nullptr;             ///< null for linear cells
   std::vector<std::string> patches = {};                       ///< see `write_boundary`
-  Exact<bool> keeps_fields = false;                            ///< the caller writes the fields of reals elsewhere
+  std::vector<const mesh::Field*> kept = {};                   ///< fields that the caller writes elsewhere
 };
 
 struct Format {
@@ -59,9 +59,11 @@ struct Format {
   bool has_fields = false, has_regions = false;           ///< has a place for fields, for the field `region`
   bool has_names = true;                                  ///< of patches
   bool has_numbers = false;                               ///< of patches, as the user gave them
-  bool has_region_names = false, has_groups = false;      ///< `mesh::Region::name`, `mesh::Group`
+  bool has_region_names = false;                          ///< `mesh::Region::name`
+  bool has_groups = false;                                ///< `mesh::Group`, of patches on the boundary
+  bool has_groups_inside = false;                         ///< also of regions and of patches inside alone
   bool has_empty_patches = false;                         ///< keeps patches without faces
-  std::vector<std::string_view> kinds = {};               ///< of patches that it has a place for
+  std::vector<std::string_view> kinds = {};               ///< of patches on the boundary that it has a place for
   bool has_interfaces = false, has_second_order = false;  ///< can be written with these
   bool has_text = false;                                  ///< `GmshWriteOptions` hold
   bool has_solutions = false;                             ///< has fields in a `.sol` beside the mesh

@@ -11,6 +11,7 @@
 
 #include "pamr/base/counted.hpp"
 #include "pamr/base/index.hpp"
+#include "pamr/base/listed.hpp"
 #include "pamr/io/medit/write_medit.hpp"
 #include "pamr/mesh/inner_patches.hpp"
 #include "pamr/mesh/level0_key.hpp"
@@ -21,15 +22,7 @@ namespace pamr::io {
 
 namespace {
 
-constexpr std::size_t max_names = 10;  ///< in one sentence
-
-/// "A", "A and B", "A, B and C"; of many the first.
-std::string list(const std::vector<std::string>& items) {
-  std::string text;
-  for (std::size_t i = 0; i < std::min(items.size(), max_names); ++i)
-    text += (i == 0 ? "" : i + 1 == items.size() ? " and " : ", ") + items[i];
-  return text + (items.size() > max_names ? ", ..." : "");
-}
+std::string list(const std::vector<std::string>& items) { return listed(items, {.before_last = " and "}); }
 
 std::string in_quotes(const std::string& name) { return "'" + name + "'"; }
 
@@ -42,22 +35,22 @@ bool is_own(const mesh::Field& field) {
 }
 
 /// Fields that the format has no place for; empty if there are none.
-std::string text_of_fields(const Format& format, const mesh::DistMesh& mesh, bool keeps_reals) {
+std::string text_of_fields(const Format& format, const mesh::DistMesh& mesh,
+                           const std::vector<const mesh::Field*>& kept) {
   std::vector<std::string> names;
+  const auto* regions = mesh::find_regions(mesh);
   const auto add = [&](const mesh::Field& field, const char* on) {
-    const bool has_place = field.name == mesh::region_field
+    const bool has_place = &field == regions
                                ? format.has_regions
-                               : format.has_fields || (keeps_reals && !field.holds_integers());
+                               : format.has_fields || std::find(kept.begin(), kept.end(), &field) != kept.end();
     if (!has_place && !is_own(field)) names.push_back(fmt::format("{} on {}", in_quotes(field.name), on));
   };
   for (const auto& field : mesh.cell_fields) add(field, "cells");
   for (const auto& field : mesh.node_fields) add(field, "nodes");
   if (names.empty()) return {};
-  std::string text;
-  for (std::size_t i = 0; i < std::min(names.size(), max_names); ++i) text += (i == 0 ? "" : ", ") + names[i];
-  return fmt::format("{} left out: {}{}: files of {} have no place for {}",
-                     counted(std::ssize(names), "field is", "fields are"), text,
-                     names.size() > max_names ? ", ..." : "", format.name, names.size() == 1 ? "it" : "them");
+  return fmt::format("{} left out: {}: files of {} have no place for {}",
+                     counted(std::ssize(names), "field is", "fields are"), listed(names), format.name,
+                     names.size() == 1 ? "it" : "them");
 }
 
 /// Faces of each patch, each side of those inside. Collective.
@@ -71,32 +64,42 @@ std::vector<std::int64_t> count_faces(const par::Comm& comm, const mesh::DistMes
   return n;
 }
 
-/// "the groups of 2 patches" of the parts that have any.
-template <class Part>
-void add_groups(const std::vector<Part>& parts, const char* one, const char* several, std::vector<std::string>& lost) {
-  const auto n = std::count_if(parts.begin(), parts.end(), [](const Part& part) { return !part.groups.empty(); });
-  if (n > 0) lost.push_back("the groups of " + counted(n, one, several));
+/// "the groups of 2 patches", of the regions likewise, where these have groups. `inside`: patches inside alone.
+void add_groups(const Format& format, const mesh::MeshInfo& info, const std::vector<bool>& inside,
+                std::vector<std::string>& lost) {
+  std::int64_t n_patches = 0, n_regions = 0;
+  for (std::size_t p = 0; p < inside.size(); ++p)
+    if (!info.patches[p].groups.empty() && !(inside[p] ? format.has_groups_inside : format.has_groups)) ++n_patches;
+  if (!format.has_groups_inside)
+    n_regions = std::count_if(info.regions.begin(), info.regions.end(),
+                              [](const mesh::Region& region) { return !region.groups.empty(); });
+  if (n_patches > 0) lost.push_back("the groups of " + counted(n_patches, "patch", "patches"));
+  if (n_regions > 0) lost.push_back("the groups of " + counted(n_regions, "region", "regions"));
+}
+
+/// "the kinds of 2 patches ('wall')"; empty for none. `inside`: patches inside alone, of which only native files keep
+/// the kind.
+std::string text_of_kinds(const Format& format, const mesh::MeshInfo& info, const std::vector<bool>& inside) {
+  std::vector<std::string> kinds;
+  std::int64_t n = 0;
+  for (std::size_t p = 0; p < inside.size(); ++p) {
+    const auto& kind = info.patches[p].kind;
+    const bool has_place =
+        !inside[p] && std::find(format.kinds.begin(), format.kinds.end(), kind) != format.kinds.end();
+    if (has_place || kind.empty() || kind == "patch") continue;  // which stands for none
+    ++n;
+    if (std::find(kinds.begin(), kinds.end(), in_quotes(kind)) == kinds.end()) kinds.push_back(in_quotes(kind));
+  }
+  return n == 0 ? "" : fmt::format("the kinds of {} ({})", counted(n, "patch", "patches"), list(kinds));
 }
 
 /// Names, kinds, groups and units; empty if the format has a place for all that there are. Collective.
 std::string text_of_words(const par::Comm& comm, const Format& format, const mesh::DistMesh& mesh) {
   const auto& info = mesh.info;
-  std::vector<std::string> lost, kinds, empty;
-  std::int64_t n_kinds = 0;
-  for (const auto& patch : info.patches) {
-    if (patch.kind.empty() || patch.kind == "patch" ||  // which stands for none
-        std::find(format.kinds.begin(), format.kinds.end(), patch.kind) != format.kinds.end())
-      continue;
-    ++n_kinds;
-    if (std::find(kinds.begin(), kinds.end(), in_quotes(patch.kind)) == kinds.end())
-      kinds.push_back(in_quotes(patch.kind));
-  }
-  if (n_kinds > 0)
-    lost.push_back(fmt::format("the kinds of {} ({})", counted(n_kinds, "patch", "patches"), list(kinds)));
-  if (!format.has_groups) {
-    add_groups(info.patches, "patch", "patches", lost);
-    add_groups(info.regions, "region", "regions", lost);
-  }
+  std::vector<std::string> lost, empty;
+  const auto inside = mesh::patches_inside_alone(comm, mesh);
+  if (auto kinds = text_of_kinds(format, info, inside); !kinds.empty()) lost.push_back(std::move(kinds));
+  add_groups(format, info, inside, lost);
   if (format.has_regions && !format.has_region_names && !info.regions.empty())
     lost.push_back("the names of " + counted(std::ssize(info.regions), "region", "regions"));
   if (format.has_fields) {
@@ -135,7 +138,7 @@ std::string text_of_references(const mesh::MeshInfo& info) {
                      counted(std::ssize(changed), "patch has a reference instead of its name",
                              "patches have references instead of their names"),
                      list(changed),
-                     changed.size() > max_names ? " (all are in the report, --json, as references)" : "");
+                     changed.size() > Listing().most ? " (all are in the report, --json, as references)" : "");
 }
 
 std::string text_of_conditions(const Format& format, const mesh::MeshInfo& info) {
@@ -158,7 +161,7 @@ std::vector<std::string> texts_of_losses(const par::Comm& comm, const Format& fo
     if (!text.empty()) texts.push_back(std::move(text));
   };
   if (format.file_beside == nullptr) add(text_of_conditions(format, mesh.info));
-  add(text_of_fields(format, mesh, options.keeps_fields));
+  add(text_of_fields(format, mesh, options.kept));
   add(text_of_words(comm, format, mesh));
   if (!format.has_names) add(text_of_references(mesh.info));
   if (format.has_inner_patches) return texts;

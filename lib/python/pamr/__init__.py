@@ -25,15 +25,19 @@ Numbers
 Collective
     Functions that say so are called by every rank. What is wrong on one rank raises the same ``pamr.Error`` on all. Errors of
     your own on one rank leave the others waiting, unless the script is started with ``python3 -m mpi4py``.
+Warnings
+    What is left out, changed or odd is a Python warning on rank 0, in the words of the tools: ``UserWarning`` for what their
+    ``--strict`` would refuse, ``pamr.Note`` for their notes. A filter of ``warnings`` that makes errors of them raises on every rank.
 """
 from . import mark, openfoam
 from ._core import Error, version as __version__
 from .dolfinx_values import dolfinx_function, dolfinx_values
 from .interop import from_dolfinx, from_meshio, to_dolfinx
 from .mesh import BoundaryFaces, Fields, InnerFaces, Mesh
+from .said import Note
 from .stages import RefineResult, adapt, balance, forecast, locate, quality, refine
 from .surfaces import Cone, Cylinder, File, Plane, Sphere, Surface, Toml, Torus
 
-__all__ = ["BoundaryFaces", "Cone", "Cylinder", "Error", "Fields", "File", "InnerFaces", "Mesh", "Plane", "RefineResult", "Sphere",
-           "Surface", "Toml", "Torus", "adapt", "balance", "dolfinx_function", "dolfinx_values", "forecast", "from_dolfinx", "from_meshio",
+__all__ = ["BoundaryFaces", "Cone", "Cylinder", "Error", "Fields", "File", "InnerFaces", "Mesh", "Note", "Plane", "RefineResult",
+           "Sphere", "Surface", "Toml", "Torus", "adapt", "balance", "dolfinx_function", "dolfinx_values", "forecast", "from_dolfinx", "from_meshio",
            "locate", "mark", "openfoam", "quality", "refine", "to_dolfinx"]

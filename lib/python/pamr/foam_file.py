@@ -243,7 +243,7 @@ def read_field(path: str) -> FieldFile:
 def class_of(path: str) -> str:
     """The class that the header of a file names; empty where there is none."""
     head = read_bytes(path)[:2000]
-    found = re.search(rb"FoamFile\s*\{[^}]*?\bclass\s+(\w+)\s*;", head)
+    found = re.search(rb"FoamFile\s*\{[^}]*?\bclass\s+([\w:]+)\s*;", head)
     return found[1].decode() if found else ""
 
 

@@ -2,7 +2,6 @@
 """From and to other packages; each is imported when it is needed."""
 from __future__ import annotations
 
-import warnings
 from typing import Any, Mapping, NamedTuple, Optional
 
 import numpy as np
@@ -11,6 +10,7 @@ from . import _core
 from ._core import Error
 from .mesh import Mesh
 from .meshio_parts import Parts, parts_of, without_prisms
+from .said import say
 from .together import agree, integers
 
 
@@ -27,8 +27,8 @@ def from_meshio(comm: Any, mesh: Any, tags: Optional[str] = None, names: Optiona
     split_prisms: cut cells of type "wedge" and "pyramid" into tetrahedra, and those of type "quad" into triangles: these have the
         data of the cells, and are in their cell sets. Wedges have Gmsh's order of corners.
     An element in several groups or cell sets is in a patch or region "A+B", which keeps them (``patch_groups``).
-    Points and lines, and points of no tetrahedron, are left out. A Python warning on rank 0 counts what is, but for points and
-    lines. Cells of other kinds raise pamr.Error.
+    Points and lines, points of no tetrahedron, periodic links and other field data are left out. A Python warning on rank 0 counts
+    what is. Cells of other kinds raise pamr.Error.
     """
     def prepare() -> tuple[Any, Any]:
         if comm.rank != 0:
@@ -49,8 +49,7 @@ def from_meshio(comm: Any, mesh: Any, tags: Optional[str] = None, names: Optiona
     result, remarks = Mesh._of_arrays(comm, parts.points, parts.cells, (parts.triangles, parts.tags), shape[0],
                                       parts.cell_fields, parts.node_fields, "", "curve", repair, shape[1], "from_meshio",
                                       parts.unused, False, shape[4])
-    for remark in parts.remarks + remarks if comm.rank == 0 else []:
-        warnings.warn(f"from_meshio: {remark}", stacklevel=2)
+    say(comm, [f"from_meshio: {remark}" for remark in parts.remarks + remarks])
     return result
 
 
@@ -63,7 +62,8 @@ def from_dolfinx(mesh: Any, facet_tags: Any = None, names: Optional[Mapping[int,
     boundary or inside) as patches and cell tags as the cell field "region". Collective.
 
     Row c of ``cells`` is dolfinx's cell c of this rank, and ``node_numbers`` are the numbers of dolfinx's geometry, so that
-    values go over by ``values[c]`` and by number; ghosts are left out.
+    values go over by ``values[c]`` and by number; ghosts are left out. A Python warning on rank 0 counts faces without a tag and names
+    the tags that no facet has.
     """
     from . import dolfinx_versions as versions
     geometry, topology = mesh.geometry, mesh.topology
@@ -90,7 +90,10 @@ def from_dolfinx(mesh: Any, facet_tags: Any = None, names: Optional[Mapping[int,
         return (np.asarray(geometry.x)[:index_map.size_local], corners, (triangles, tags), fields), sorted(fields)
     points, cells, boundary, fields = agree(mesh.comm, prepare)
     # dolfinx has no order of corners that makes a volume positive
-    return Mesh._of_arrays(mesh.comm, points, cells, boundary, names, fields, None, "", "keep", True, None)[0]
+    result, remarks = Mesh._of_arrays(mesh.comm, points, cells, None if facet_tags is None else boundary, names, fields, None, "", "keep",
+                                      True, None, "from_dolfinx", oriented=False)
+    say(mesh.comm, [f"from_dolfinx: {remark}" for remark in remarks])
+    return result
 
 
 class DolfinxMesh(NamedTuple):

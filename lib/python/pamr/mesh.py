@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import os
-import warnings
 from typing import Any, Iterator, Mapping, MutableMapping, NamedTuple, Optional, Union
 
 import numpy as np
 
 from . import _core
 from .rows import described, pack, unpack
+from .said import say
 from .surfaces import File, Surface, Toml
 from .together import agree, description, field as field_in, integers, path_of, reals, require_comm, whole
 
@@ -127,17 +127,16 @@ class Mesh:
         """
         mesh, remarks = Mesh._of_arrays(comm, points, cells, boundary, names, cell_fields, node_fields, length_unit, order, repair,
                                         regions)
-        for remark in remarks if comm.rank == 0 else []:
-            warnings.warn(remark, stacklevel=2)
+        say(comm, remarks)
         return mesh
 
     @staticmethod
     def _of_arrays(comm: Any, points: Any, cells: Any, boundary: Any, names: Any, cell_fields: Any, node_fields: Any,
                    length_unit: str, order: str, repair: bool, regions: Any, source: str = "arrays", unused: Any = (),
-                   finite: bool = True, joint: Any = ()) -> tuple["Mesh", list[str]]:
+                   finite: bool = True, joint: Any = (), oriented: bool = True) -> tuple["Mesh", list[str]]:
         """The same, with the warnings as texts. Errors begin with ``source``; ``unused``: groups that were left out before; ``finite``:
         whether points have to be finite, where some may be left out; ``joint``: dimension and tag of what stands for several groups,
-        and their names by number."""
+        and their names by number; ``oriented``: whether cells of negative volume are news."""
         require_comm(comm)
         n_points = [0]
 
@@ -189,7 +188,7 @@ class Mesh:
         given.cell_fields, given.node_fields = at_cells, at_points
         given.length_unit, given.regions, given.unused = length_unit, region_names, list(unused)
         given.joint = [(dimension, tag, sorted(groups.items())) for dimension, tag, groups in joint]
-        given.has_boundary = boundary is not None
+        given.has_boundary, given.has_orientation = boundary is not None, oriented
         core, n_turned, remarks = _core.from_arrays(_address(comm), given, source, ORDERS.index(order), bool(repair))
         mesh = Mesh(core, comm)
         mesh.n_turned = n_turned
@@ -202,20 +201,19 @@ class Mesh:
     def read(comm: Any, file: Union[str, os.PathLike], repair: bool = True, strict: bool = False,
              split_prisms: bool = False) -> "Mesh":
         """A mesh from a file: .hdf or .vtkhdf (of any number of ranks, of PAMR or another program), or in any other format that
-        pamr-convert reads. What is odd and does no harm, and what is left out, is a Python warning on rank 0. Collective.
+        pamr-convert reads. What is odd and does no harm, and what is left out, is a Python warning on rank 0; what lies beside the
+        mesh (fields, further regions of an OpenFOAM case) a ``pamr.Note``. Collective.
 
         repair: turn inverted cells of other programs over, with a warning that counts them. Without it they are refused, unless
             all cells are inverted.
-        strict: what would be a warning raises pamr.Error, as with ``pamr-convert --strict``.
+        strict: what would be a warning raises pamr.Error, as with ``pamr-convert --strict``; notes stay notes.
         split_prisms: cut prisms and pyramids of other programs into tetrahedra, and quadrangles into triangles, which raise
-            pamr.Error otherwise.
+            pamr.Error otherwise; a ``pamr.Note`` counts them.
         """
         require_comm(comm)
         given = agree(comm, lambda: 2 * ((path_of(file), bool(repair), bool(strict), bool(split_prisms)),))
-        core, remarks = _core.read(_address(comm), *given)
-        if comm.rank == 0:
-            for remark in remarks:
-                warnings.warn(remark, stacklevel=2)
+        core, *said = _core.read(_address(comm), *given)
+        say(comm, *said)
         return Mesh(core, comm)
 
     @staticmethod
@@ -227,11 +225,10 @@ class Mesh:
     def write(self, file: Union[str, os.PathLike], provenance: str = "") -> None:
         """Writes the mesh and its fields: .hdf or .vtkhdf (complete), any other format that pamr-convert writes (or the boundary, as
         .stl, say), or an OpenFOAM case where the name has no ending or is a folder. The bytes do not depend on the number of
-        ranks. What the format has no place for is a Python warning on rank 0. Collective."""
+        ranks. What the format has no place for is a Python warning on rank 0; levels, surfaces, numbers of patches and the unit of
+        lengths, which only native files keep, a ``pamr.Note``. Collective."""
         path = agree(self._comm, lambda: (path_of(file), (path_of(file), provenance)))
-        for remark in self._core.write(path, provenance):
-            if self._comm.rank == 0:
-                warnings.warn(remark, stacklevel=2)
+        say(self._comm, *self._core.write(path, provenance))
 
     def write_rows(self, file: Union[str, os.PathLike], values: Any) -> None:
         """Writes data that belong to cells and are no fields, to go on from with ``read_rows`` and a mesh file: n rows, one for each
@@ -391,7 +388,8 @@ class Mesh:
                   feature_angle: float = 40) -> dict[str, float]:
         """Lets patches lie on surfaces: ``mesh.associate({"wall": pamr.Sphere((0, 0, 0), 1)})``. Refinements then put new nodes of
         these patches onto them. Returns the largest distance of a node from the surface of each patch. Python warnings on
-        rank 0 say what of a file of triangles is left out, and where edges are long for the radius of their wall, as pamr-convert does.
+        rank 0 say what of a file of triangles is left out and where it cuts through itself, a ``pamr.Note`` where edges are long for
+        the radius of their wall, as pamr-convert does.
 
         tolerance: largest distance that is accepted, length unit (default: 1e-6 of the mesh's size, more for triangles).
         feature_angle: degrees between two triangles of a ``pamr.File`` beyond which their edge is sharp.
@@ -419,8 +417,7 @@ class Mesh:
             raise Error("associate: expected a build with PAMR_MESHING, found one without")
         found, remarks = _core.associate(self._core, *given)
         coarse = _core.text_of_coarse_walls(self._core)
-        for remark in remarks + ([coarse] if coarse else []) if self._comm.rank == 0 else []:
-            warnings.warn(remark, stacklevel=2)
+        say(self._comm, remarks, [coarse] if coarse else [])
         return {patch: distance for patch, _, distance in found}
 
     def __repr__(self) -> str:

@@ -11,6 +11,7 @@ import numpy as np
 
 from . import _core
 from ._core import Error
+from .said import listed
 from .together import integers, plain, reals, require_shape
 
 # Under which meshio keeps what formats say of triangles and tetrahedra alike, the better one first.
@@ -104,9 +105,7 @@ def parts_of(mesh: Any, tags: Optional[str], names: Optional[Mapping[int, str]])
     if key in OWN_TAGS and "mean_ratio" in of_cells and of_cells["mean_ratio"].dtype == np.float32:
         del of_cells["mean_ratio"]  # worked out for viewers
     _choose_regions(tetra, key if key in TAGS else None, of_cells, remarks)
-    left_out = [f"'{name}' ({len(points)} points)" for name, points in mesh.point_sets.items()]
-    if left_out:
-        remarks.append(f"point sets were left out: {', '.join(left_out)}")
+    remarks += _beside(mesh, key)
     points = np.zeros((len(mesh.points), 3))
     given = reals("points", mesh.points, (len(mesh.points), np.shape(mesh.points)[1]), finite=False)
     points[:, :given.shape[1]] = given
@@ -120,6 +119,26 @@ def parts_of(mesh: Any, tags: Optional[str], names: Optional[Mapping[int, str]])
                  _groups_of_points_and_lines(mesh, key),
                  [(2, tag, groups) for tag, groups in triangle.joint.items()]
                  + [(3, tag, groups) for tag, groups in tetra.joint.items() if tag in regions])
+
+
+def _beside(mesh: Any, key: Optional[str]) -> list[str]:
+    """What else the mesh holds: a remark for each kind of things."""
+    remarks = []
+    left_out = [f"'{name}' ({len(points)} points)" for name, points in mesh.point_sets.items()]
+    if left_out:
+        remarks.append(f"point sets were left out: {listed(left_out)}")
+    n_lower = sum(len(block.data) for block in mesh.cells if block.type == "vertex" or block.type.startswith("line"))
+    if n_lower and key != PHYSICAL:  # else their groups are counted
+        remarks.append(f"{n_lower} points and lines were left out" if n_lower > 1 else "1 point or line was left out")
+    others = [repr(k) for k, v in mesh.field_data.items()
+              if not k.startswith(OWN_NAMES) and not (np.shape(v) == (2,) and np.asarray(v).dtype.kind in "iuf" and v[1] in range(4))]
+    if others:
+        remarks.append(f"field data were left out: {listed(others)}")
+    links = [link for link in getattr(mesh, "gmsh_periodic", None) or [] if link[0] == 2]
+    if links:
+        remarks.append(f"{len(links)} periodic links of surfaces were left out" if len(links) > 1
+                       else "1 periodic link of surfaces was left out")
+    return remarks
 
 
 def _groups_of_points_and_lines(mesh: Any, key: Optional[str]) -> list[tuple[int, str, int]]:

@@ -18,7 +18,6 @@ from __future__ import annotations
 
 import os
 import re
-import warnings
 from dataclasses import dataclass, replace
 from typing import Any, Iterable, Optional, Union
 
@@ -28,11 +27,13 @@ from . import _core, foam_case
 from ._core import Error
 from .foam_file import COMPONENTS, FieldFile, Values, class_of, read_field, write_bytes
 from .mesh import Mesh
+from .said import listed, say
 from .stages import RefineResult
 from .together import agree, integers
 
 __all__ = ["FoamFields", "read_fields", "write_fields", "write_mesh"]
-_NOT_CARRIED = re.compile(r"(surface|point)\w+Field|volSphericalTensorField|.*::Internal")
+_CARRIED = re.compile(r"vol(Scalar|Vector|SymmTensor|Tensor)Field")
+_OF_TIME = ("polyMesh", "uniform")  # folders of a mesh that moves and of the time itself
 
 
 @dataclass
@@ -98,7 +99,7 @@ class FoamFields:
     """Fields of a case. Their values in cells are cell fields of ``mesh`` of the same names."""
     mesh: Mesh
     names: list[str]                       #: of the fields
-    not_carried: list[str]                 #: other fields that the folder holds: on faces or points
+    not_carried: list[str]                 #: what else the folder holds: fields on faces or points, particles, ...
     _files: Optional[list[FieldFile]]      #: on rank 0
     _faces: Optional[_Faces]
 
@@ -173,9 +174,7 @@ def write_mesh(mesh: Mesh, case: Union[str, os.PathLike], ranks: Any = None, for
             foam_case.remove(old)
         return (folder, factor), (folder, force, factor)
     folder, factor = agree(comm, prepare_folder)
-    for remark in mesh._core.write_foam(folder, factor):
-        if comm.rank == 0:
-            warnings.warn(remark, stacklevel=2)
+    say(comm, *mesh._core.write_foam(folder, factor))
     if comm.allreduce(0 if of_cell is None else 1) == 0:
         return
     of_all = _to_zero(mesh, of_cell)
@@ -193,24 +192,24 @@ def _to_zero(mesh: Mesh, values: np.ndarray) -> Optional[np.ndarray]:
     return result
 
 
-def _names_in(folder: str, names: Optional[Iterable[str]]) -> tuple[list[str], list[str]]:
-    """Fields on cells in a folder of a time, and others."""
+def _names_in(folder: str, names: Optional[Iterable[str]]) -> tuple[list[str], dict[str, str]]:
+    """Fields on cells in a folder of a time, and what each other object is."""
     if not os.path.isdir(folder):
         raise Error(f"folder '{folder}': expected fields of OpenFOAM, found no such folder")
     if names is not None:
-        return list(names), []
-    found: tuple[list[str], list[str]] = ([], [])
+        return list(names), {}
+    fields: list[str] = []
+    others: dict[str, str] = {}
     for name in sorted({n[:-3] if n.endswith(".gz") else n for n in os.listdir(folder)}):
-        if os.path.isdir(os.path.join(folder, name)):
-            continue
-        kind = class_of(os.path.join(folder, name))
-        if _NOT_CARRIED.fullmatch(kind):
-            found[1].append(name)
-        elif kind.startswith("vol"):
-            found[0].append(name)
-    if not found[0]:
+        path = os.path.join(folder, name)
+        kind = "a folder" if os.path.isdir(path) else class_of(path)
+        if _CARRIED.fullmatch(kind):
+            fields.append(name)
+        elif kind != "a folder" or name not in _OF_TIME:
+            others[name] = kind or "no field"
+    if not fields:
         raise Error(f"folder '{folder}': expected fields on cells, found none")
-    return found
+    return fields, others
 
 
 def read_fields(mesh: Mesh, case: Union[str, os.PathLike], time: str, names: Optional[Iterable[str]] = None) -> FoamFields:
@@ -218,8 +217,8 @@ def read_fields(mesh: Mesh, case: Union[str, os.PathLike], time: str, names: Opt
     or not. Their values become cell fields of the mesh, which must be the one that the case has, with its cells in the same
     order (pamr.Error where ``constant/polyMesh`` has them in another one). Collective.
 
-    names: of the fields; default: all scalars, vectors, symmetric tensors and tensors on cells. Fields on faces and points (phi) are
-    named in ``not_carried``: solvers make them anew.
+    names: of the fields; default: all scalars, vectors, symmetric tensors and tensors on cells. What else the folder holds is in
+    ``not_carried``, and a ``pamr.Note`` names it: fields on faces and points (phi), which solvers make anew, particles, others.
     """
     comm = mesh.comm
     path = agree(comm, lambda: (os.fspath(case), os.fspath(case)))
@@ -255,10 +254,12 @@ def read_fields(mesh: Mesh, case: Union[str, os.PathLike], time: str, names: Opt
         return (fields, others, files, [file.internal(n_cells) for file in files]), None
     result = agree(comm, prepare)
     fields, others = comm.bcast(result[:2] if result else None)
+    shown = [f"{name} ({kind})" for name, kind in others.items()]
+    say(comm, [], [f"case '{path}', time {time}: left out, as no field on cells: {listed(shown)}"] if shown else [])
     numbers = comm.gather(_numbers(mesh))
     for i, name in enumerate(fields):
         mesh.cell_fields[name] = comm.scatter([result[3][i][rows] for rows in numbers] if comm.rank == 0 else None)
-    return FoamFields(mesh, fields, others, result[2] if result else None, faces)
+    return FoamFields(mesh, fields, list(others), result[2] if result else None, faces)
 
 
 def write_fields(fields: FoamFields, case: Union[str, os.PathLike], time: str = "0") -> None:

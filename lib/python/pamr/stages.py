@@ -11,6 +11,7 @@ import numpy as np
 from . import _core
 from .mesh import Mesh
 from .rows import pack, unpack
+from .said import say
 from .together import agree, integers, reals
 
 Error = _core.Error
@@ -83,15 +84,19 @@ def refine(mesh: Mesh, flags: Any, *, project: bool = True, bend: str = "walls",
     check: look at the whole mesh first (``Mesh.validate``). Without it the arrays are trusted: where a client has written into
         them through a view of its own, what follows may be wrong or end the process.
     The old mesh stays as it is. The new one is the same on any number of ranks, bit for bit, whatever the balance.
+    Cells that are too deep to be split, and periodic patches, are a Python warning on rank 0.
     """
     def prepare() -> tuple[Any, Any]:
         _one_of("balance", balance, BALANCES)
+        if not isinstance(weights, str):
+            raise Error(f"weights: expected \"exact\", \"8/1\", \"uniform\" or the name of a cell field, found {type(weights).__name__}")
         how = placing(project, bend), closing(quality_control, shape_floor), balance, weights
         return (_flags(mesh, flags), *how), (how, bool(check))
     arguments = agree(mesh.comm, prepare)
     if check:
         mesh.validate()
-    core, report = _core.refine(mesh._core, *arguments)
+    core, report, remarks = _core.refine(mesh._core, *arguments)
+    say(mesh.comm, remarks)
     fine = Mesh(core, mesh.comm)
     return RefineResult(fine, report, fine.cell_fields["parent"], mesh)
 
@@ -105,10 +110,13 @@ def adapt(mesh: Mesh, flags: Any, *, project: bool = True, bend: str = "walls", 
     integrals: names of cell fields of which coarsening keeps the sum of value times volume, at curved walls too. All others keep
         values.
     The other arguments are those of ``refine`` (``check``, too); the policy is "removable". ``report["coarsening"]`` says what went and why the
-    rest stayed. ``parent`` names for each new cell the old one that holds its centroid.
+    rest stayed. ``parent`` names for each new cell the old one that holds its centroid. Where nothing is coarsened because the cells
+    know no parent, a Python warning on rank 0 says so.
     """
     def prepare() -> tuple[Any, Any]:
         _one_of("balance", balance, BALANCES)
+        if not isinstance(weights, str):
+            raise Error(f"weights: expected \"exact\", \"8/1\", \"uniform\" or the name of a cell field, found {type(weights).__name__}")
         if isinstance(integrals, str):
             raise Error(f"integrals: expected a list of names, found the text {integrals!r}")
         names = [str(name) for name in integrals]
@@ -117,7 +125,8 @@ def adapt(mesh: Mesh, flags: Any, *, project: bool = True, bend: str = "walls", 
     arguments = agree(mesh.comm, prepare)
     if check:
         mesh.validate()
-    core, report = _core.adapt(mesh._core, *arguments)
+    core, report, remarks = _core.adapt(mesh._core, *arguments)
+    say(mesh.comm, remarks)
     fine = Mesh(core, mesh.comm)
     return RefineResult(fine, report, fine.cell_fields["parent"], mesh)
 

@@ -236,11 +236,16 @@ void write_medit(const par::Comm& comm, const std::filesystem::path& file, const
   write_sections(comm, file, sections, version);
 }
 
-void write_medit_fields(const par::Comm& comm, const std::filesystem::path& file, const mesh::DistMesh& mesh,
-                        const std::vector<std::string>& names) {
+MeditFields choose_medit_fields(const mesh::DistMesh& mesh, const std::vector<std::string>& names) {
   auto missing = names;
-  const auto of_nodes = chosen(mesh.node_fields, names, missing), of_cells = chosen(mesh.cell_fields, names, missing);
+  MeditFields fields{chosen(mesh.node_fields, names, missing), chosen(mesh.cell_fields, names, missing)};
   if (!missing.empty()) throw Error(fmt::format("Medit: expected a field '{}', found none of that name", missing[0]));
+  return fields;
+}
+
+void write_medit_fields(const par::Comm& comm, const std::filesystem::path& file, const mesh::DistMesh& mesh,
+                        const MeditFields& fields) {
+  const auto& [of_nodes, of_cells] = fields;
   if (of_nodes.empty() && of_cells.empty())
     throw Error("Medit: expected fields of reals with 1, 3, 6 or 9 components to write, found none");
   const bool as_text = is_text(file);

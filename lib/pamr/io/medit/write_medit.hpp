@@ -26,11 +26,18 @@ void write_medit(const par::Comm& comm, const std::filesystem::path& file, const
 std::vector<std::int64_t> medit_references(const std::vector<std::string>& names,
                                            const std::vector<std::int64_t>& numbers);
 
-/// Writes fields to a `.sol` (text) or `.solb` (binary), in the order of the mesh: all real ones of 1, 3, 6 or 9
-/// components where `names` is empty, else those of these names, in this order (nodal ones before those of cells in the
-/// file). Collective; throws the same `Error` on every rank for names that the mesh does not have and for fields of
-/// other sizes.
+/// Fields of a mesh for a file of Medit.
+struct MeditFields {
+  std::vector<const mesh::Field*> of_nodes, of_cells;
+};
+
+/// All real fields of 1, 3, 6 or 9 components where `names` is empty, else those of these names, in this order. Local.
+/// Throws `Error` for names that the mesh does not have and for fields of other sizes.
+MeditFields choose_medit_fields(const mesh::DistMesh& mesh, const std::vector<std::string>& names);
+
+/// Writes these fields to a `.sol` (text) or `.solb` (binary), nodal ones before those of cells, without their names.
+/// Collective; throws the same `Error` on every rank, also where there are none.
 void write_medit_fields(const par::Comm& comm, const std::filesystem::path& file, const mesh::DistMesh& mesh,
-                        const std::vector<std::string>& names = {});
+                        const MeditFields& fields);
 
 }  // namespace pamr::io
