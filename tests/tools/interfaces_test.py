@@ -160,11 +160,12 @@ def test_fields_and_regions_without_a_place_are_told():
     assert all(f"note: the fields of with.{ending} were left out" in noted for ending in ("sol", "solb")), noted
     pathlib.Path("with.sol").unlink()
     assert run("pamr-convert", "with.mesh", "z.hdf", "--force").err.count("note: the fields of with.") == 1
-    add_cell_field("all.hdf", "p", np.arange(6.0))
-    add_cell_field("all.hdf", "four", np.ones((6, 4)))  # Medit has none of four components
+    shutil.copy("all.hdf", "more.hdf")
+    add_cell_field("more.hdf", "p", np.arange(6.0))
+    add_cell_field("more.hdf", "four", np.ones((6, 4)))  # Medit has none of four components
     for names, words in ((["--sol-fields", "p"], "2 fields are left out: 'T' on cells, 'four' on cells: files of Medit"),
                          ([], "1 field is left out: 'four' on cells: files of Medit")):
-        told = run("pamr-convert", "all.hdf", "with.meshb", "--sol-out", "with.sol", *names, "--force").err
+        told = run("pamr-convert", "more.hdf", "with.meshb", "--sol-out", "with.sol", *names, "--force").err
         assert words in told and f"with.sol has {'' if names else chr(39) + 'T' + chr(39) + ' and '}'p'" in told, told
     run("pamr-mark", "all.hdf", "-o", "marked.hdf", "--crossing-sphere", "0,0,0,0.5", "--quiet")
     run("pamr-refine", "marked.hdf", "-o", "fine.hdf", "--quiet")
