@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What Python says beside its results: notes and warnings in the words of the tools, once a call, on rank 0, under the filters of
+"""Notes and warnings of Python: in the words of the tools, once a call, on rank 0, under the filters of
 ``warnings``."""
 import pathlib
 import shutil

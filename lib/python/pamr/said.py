@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What calls have to say beside their results."""
+"""Warnings and notes of a call."""
 from __future__ import annotations
 
 import warnings
