@@ -62,9 +62,14 @@ def has(tool):
     return (BIN / tool).exists()
 
 
+def where_hdf5_dies(*says):
+    """The words where it does, as 1.10; later versions find the damage and say where."""
+    return says if "HDF5 1.10" in run("pamr-quality", "--version", serial=True).out else ("HDF5",)
+
+
 def test_a_mesh_on_which_hdf5_dies():
     dead = dead_file()
-    says = [f"'{dead}'", "expected a sound HDF5 file", "HDF5 failed on it"]
+    says = [f"'{dead}'", *where_hdf5_dies("expected a sound HDF5 file", "HDF5 failed on it")]
     refuses("pamr-quality", "cube.hdf", dead, says=says)
     refuses("pamr-diff", "cube.hdf", dead, says=says)
     refuses("pamr-mark", dead, "-o", "out.hdf", "--all", says=says, creates="out.hdf")
@@ -78,7 +83,7 @@ def test_a_mesh_on_which_hdf5_dies():
 
 
 def test_chunks_on_which_hdf5_dies():
-    refuses("pamr-quality", dead_chunks("dead.hdf"), says=["'dead.hdf'", "HDF5 failed on it"])
+    refuses("pamr-quality", dead_chunks("dead.hdf"), says=["'dead.hdf'", *where_hdf5_dies("HDF5 failed on it")])
     refuses("pamr-convert", "dead.hdf", "out.msh", says=["'dead.hdf'"], creates="out.msh")
 
 
@@ -90,8 +95,8 @@ def test_the_mesh_of_a_checkpoint_on_which_hdf5_dies():
     mesh, = pathlib.Path(".").glob("a.ck-*.hdf")
     shutil.move(dead_file(), mesh)
     for out in (["-o", "more.hdf"], ["--plan"]):
-        refuses("pamr-dsmc", case, "--mesh", "level0.hdf", "--restart", "a.ck", *out, says=[mesh.name, "HDF5 failed on it"],
-                creates="more.hdf")
+        refuses("pamr-dsmc", case, "--mesh", "level0.hdf", "--restart", "a.ck", *out, creates="more.hdf",
+                says=[mesh.name, *where_hdf5_dies("HDF5 failed on it")])
 
 
 def test_a_shape_on_which_opencascade_dies():
