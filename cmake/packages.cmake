@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# What an installation has beside the library, tools and Python package: man pages, completions, tutorials, and the manual if
+# Parts of an installation beside the library, tools and Python package: man pages, completions, tutorials, and the manual if
 # docs/build.sh has made it in the build folder. packaging/debian makes a package of each component.
 if(NOT PROJECT_IS_TOP_LEVEL)
   return()

@@ -9,8 +9,8 @@
 
 namespace pamr::meshing {
 
-/// What to tell of patches that were given surfaces, a sentence each: edges of the mesh across sharp ones, nodes that are
-/// off, what files of triangles have beside a surface, and where such surfaces cut through themselves (about half a
+/// Remarks on patches that were given surfaces, a sentence each: edges of the mesh across sharp ones, nodes that are
+/// off, data that files of triangles have beside a surface, and where such surfaces cut through themselves (about half a
 /// second for 100,000 triangles: one rank is enough). The same on every rank. Local.
 std::vector<std::string> remarks_on(const std::vector<Association>& associations, const geometry::SurfaceSet& surfaces);
 
