@@ -85,7 +85,7 @@ Balanced balance_parents(const par::Comm& comm, Parents parents, std::span<const
   report.partition_seconds = middle - start;
   if (report.moved_cells == 0) return balanced;
   auto bytes = closure_to_bytes(closure);
-  borders = {};  // of the old mesh; the cells on their way need its room
+  { const auto of_old_mesh = std::move(borders); }  // the cells on their way need its room
   mesh = balance::migrate(comm, std::move(mesh), wanted.part, &bytes);
   const bool cut_faces_conform = closure.cut_faces_conform;
   closure = closure_from_bytes(mesh, bytes, options.refinement, closure.report);
