@@ -90,8 +90,8 @@ void read_cell_zones(const std::filesystem::path& folder, const std::vector<std:
       }
     }
   }
-  for (const auto& [both, n_cells] : n_in_both)
-    mesh.overlaps.push_back({3, names[both[0]], names[both[1]], n_cells, "which comes first"});
+  for (const auto& [both, n] : n_in_both)
+    mesh.overlaps.push_back({3, names[both[0]], names[both[1]], n, "which comes first"});
 }
 
 void read_face_zones(const std::filesystem::path& folder, const CaseFaces& faces, WholeMesh& mesh) {
