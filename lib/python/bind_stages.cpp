@@ -86,7 +86,7 @@ adapt::GivenMesh given_mesh(const PythonMesh& old, const adapt::Balancing& balan
   return mesh::DistMesh(old.mesh);
 }
 
-/// What the names stand for. A field of weights is looked at here, because nobody else does where no cell may move.
+/// The balancing that the names stand for. A field of weights is looked at here, because nobody else does where no cell may move.
 /// Collective.
 adapt::Balancing balancing_of(const PythonMesh& mesh, const std::string& method, const std::string& weights) {
   auto balancing = adapt::balancing_named(method, weights);
