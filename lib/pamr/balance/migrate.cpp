@@ -24,7 +24,7 @@ namespace {
 /// beside the mesh, within limits.
 std::size_t cells_of_round(const par::Comm& comm, const mesh::DistMesh& mesh) {
   constexpr GlobalId least = 128, most = GlobalId{1} << 18U;
-  return at(std::clamp(mesh.info.n_global_cells / (8 * comm.size()), least, most));
+  return at(std::clamp(mesh.info.n_global_cells / (GlobalId{8} * comm.size()), least, most));
 }
 
 void check_destinations(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<const Rank> destination,
