@@ -112,8 +112,9 @@ std::string name_of_type(int type) {
 }
 
 std::string text_of_left_out(const std::map<std::string, std::int64_t>& counts) {
-  return "left out was what a mesh has no place for: " +
-         listed(counts, {}, [](const auto& one) { return fmt::format("{} ({})", one.first, one.second); });
+  return "left out was what a mesh has no place for: " + listed(counts, {.most = all_items}, [](const auto& one) {
+           return fmt::format("{} ({})", one.first, one.second);
+         });
 }
 
 void keep_element(ElementParts& parts, int type, std::span<const std::int64_t, max_nodes> nodes, std::int64_t group) {

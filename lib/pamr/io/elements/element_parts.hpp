@@ -80,6 +80,10 @@ inline constexpr int line = 1, point = 15, triangle = 2, quadrangle = 3, tetrahe
 
 /// The number of what VTK, and SU2 after it, calls by another one: 0 for what is not known.
 int of_vtk(std::int64_t type);
+
+/// Whether it becomes triangles, or tetrahedra: itself or by being cut.
+constexpr bool is_face(int type) { return type == triangle || type == quadrangle; }
+constexpr bool is_cell(int type) { return type == tetrahedron || type == prism || type == pyramid; }
 }  // namespace element_type
 
 /// From VTK's order of a prism's nodes, whose first triangle is seen counter-clockwise from outside, to that of the

@@ -18,6 +18,7 @@
 #include "pamr/assemble/turn_inverted.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
+#include "pamr/base/listed.hpp"
 #include "pamr/io/elements/cut_elements.hpp"
 #include "pamr/io/text.hpp"
 #include "pamr/mesh/inner_patches.hpp"
@@ -45,15 +46,15 @@ std::map<int, std::int64_t> sum_of_counts(const par::Comm& comm, const std::map<
   return all;
 }
 
-/// What the file holds that cannot become a mesh of tetrahedra; `cut`: elements of all ranks that were cut. Collective.
+/// Refuses a file with elements that cannot become a mesh of tetrahedra; `cut`: elements of all ranks that were cut.
+/// Collective.
 void refuse_what_does_not_fit(const par::Comm& comm, const ElementParts& parts, const std::string& source,
                               const std::map<int, std::int64_t>& cut, Exact<bool> split_prisms) {
   auto refused = sum_of_counts(comm, parts.refused);
   const bool helps = refused.empty();
   if (!split_prisms) refused.insert(cut.begin(), cut.end());
-  std::string found;
-  for (const auto& [type, n] : refused)
-    found += fmt::format("{}{} {}", found.empty() ? "" : ", ", n, name_of_type(type));
+  const auto found = listed(refused, {.most = all_items},
+                            [](const auto& one) { return fmt::format("{} {}", one.second, name_of_type(one.first)); });
   const bool is_gmsh = source.ends_with(".msh'");
   if (!found.empty())
     throw Error(fmt::format(

@@ -85,13 +85,12 @@ using Nodes = std::array<std::int64_t, max_nodes>;
 
 void keep(Parts& parts, int type, const Nodes& nodes, const std::array<std::int64_t, 2>& tag) {
   const auto group = group_of(tag[0], tag[1]);
-  const bool is_face = type == element_type::triangle || type == element_type::quadrangle;
-  const bool is_cell =
-      type == element_type::tetrahedron || type == element_type::prism || type == element_type::pyramid;
+  const bool is_face = element_type::is_face(type);
   if (is_face) parts.group_of_surface[tag[1]] = group;
   if (group > 0 && (type == element_type::point || type == element_type::line))
     ++parts.n_in_group[{type == element_type::point ? 0 : 1, group}];
-  if (group > 0 && (is_face || is_cell)) parts.entity_in_group.insert({is_face ? 2 : 3, tag[1], group});
+  if (group > 0 && (is_face || element_type::is_cell(type)))
+    parts.entity_in_group.insert({is_face ? 2 : 3, tag[1], group});
   keep_element(parts, type, nodes, group);
 }
 

@@ -136,11 +136,8 @@ class Su2Reader {
       }
       for (int k = 0; k < 2 && !in_.is_line_over(comment); ++k) (void)in_.integer_in_line("the number of an element");
       if (!in_.is_line_over(comment)) in_.fail("the end of the line after an element", "more numbers");
-      const bool is_face = type == element_type::triangle || type == element_type::quadrangle;
-      const bool is_cell =
-          type == element_type::tetrahedron || type == element_type::prism || type == element_type::pyramid;
       if (type == element_type::prism) turn_prism_of_vtk(nodes);
-      if (marker > 0 ? is_cell : is_face)
+      if (marker > 0 ? element_type::is_cell(type) : element_type::is_face(type))
         in_.fail(marker > 0 ? "triangles in a marker" : "tetrahedra among the elements", name_of(type));
       if (type == element_type::point || type == element_type::line)
         ++parts_.n_in_group[{type == element_type::line ? 1 : 0, 0}];
