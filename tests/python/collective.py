@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the tests of the Python package share: a shared folder, and an end of the whole job when one rank fails alone."""
 import os
+import pathlib
 import shutil
 import sys
 import tempfile
@@ -8,6 +9,8 @@ import traceback
 
 import numpy as np
 from mpi4py import MPI
+
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[1] / "support"))  # whole_meshio
 
 COMM = MPI.COMM_WORLD
 

@@ -285,7 +285,7 @@ def test_triangles_within_the_mesh_points_of_nothing_and_inverted_cells():
 
 @in_folder
 def test_the_level_that_files_show_is_no_field():
-    import meshio
+    from whole_meshio import meshio
     pamr.from_meshio(COMM, tagged() if COMM.rank == 0 else None).write("mesh.vtu")
     for tags in (None, "patch"):  # our own files say which names their patches have
         mesh = pamr.from_meshio(COMM, meshio.read("mesh.vtu") if COMM.rank == 0 else None, tags=tags)

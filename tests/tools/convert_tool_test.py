@@ -3,11 +3,11 @@
 import pathlib
 
 import h5py
-import meshio
 import numpy as np
 
 from surface_models import bored_cube, can, icosphere, write_stl
 from tool_run import kuhn_cube, of_full_level, prepare_alone, refuses, run, run_tests, same_bytes
+from whole_meshio import meshio
 from tet import FACE_TO_CORNER
 
 prepare_alone("pamr-mesh", "pamr-mark", "pamr-quality")

@@ -5,11 +5,11 @@ import math
 import pathlib
 import sys
 
-import meshio
 import numpy as np
 
 from surface_models import icosphere, write_stl
 from tool_run import of_full_level, run, run_tests, same_bytes
+from whole_meshio import meshio
 
 sys.path.append(str(pathlib.Path(__file__).resolve().parents[2] / "qualification/validation"))
 import curved_walls  # noqa: E402
@@ -276,6 +276,8 @@ def test_the_same_bytes_on_any_ranks_when_a_coarse_ball_goes_to_a_triangulated_s
     curved_walls.make_level_0(call, "ball-in-box", 2.0, "pamr", pathlib.Path(".").resolve())
     run("pamr-convert", "level0.hdf", "ball.msh", "--quiet", serial=True)
     run("pamr-convert", "ball.msh", "mesh0.hdf", "--surfaces", "ball.toml", "--tolerance", 0.01, "--quiet", serial=True)
+    n_on_ball = len(curved_walls.Walls("mesh0.hdf").nodes_of(["ball"]))
+    assert 4 <= n_on_ball < 12, "a coarse ball: 7 nodes by CGAL 5.5, 6 by CGAL 6.0"
 
     for level in range(2):
         run("pamr-mark", f"mesh{level}.hdf", "-o", "marked.hdf", "--patch", "ball", "--force", "--quiet", serial=True)
@@ -283,7 +285,8 @@ def test_the_same_bytes_on_any_ranks_when_a_coarse_ball_goes_to_a_triangulated_s
             report = run("pamr-refine", "marked.hdf", "-o", f"on{ranks}.hdf", "--force", "--json", "-", "--quiet", ranks=ranks).json
         assert same_bytes("on1.hdf", "on2.hdf") and same_bytes("on1.hdf", "on7.hdf")
         assert report["off_surface_nodes"] == 0 == report["families_kept"]
-        assert report["level0"]["moved_nodes"] == (7 if level == 0 else 0), "the nodes of the ball lie up to 5.7e-5 off"
+        # all lie on the sphere, up to 1.7e-4 off the triangulated one
+        assert report["level0"]["moved_nodes"] == (n_on_ball if level == 0 else 0)
         pathlib.Path("on1.hdf").rename(f"mesh{level + 1}.hdf")
 
     assert smallest_mean_ratio("mesh2.hdf") >= curved_walls.shape_bar(2.0, smallest_mean_ratio("mesh0.hdf"))

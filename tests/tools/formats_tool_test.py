@@ -7,10 +7,10 @@ import subprocess
 import warnings
 
 import h5py
-import meshio
 import numpy as np
 
 from tool_run import kuhn_cube, prepare_alone, refuses, run, run_tests, same_bytes
+from whole_meshio import meshio
 
 prepare_alone("pamr-mark", "pamr-refine", "pamr-quality")
 FORMATS = ["mesh", "meshb", "su2", "lb8.ugrid", "b8.ugrid"]

@@ -21,7 +21,8 @@ import traceback
 
 import h5py
 
-sys.path.append(str(pathlib.Path(__file__).parents[2] / "tools/picture"))  # tet, the numbering of a tetrahedron
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path += [str(ROOT / "tools/picture"), str(ROOT / "tests/support")]  # tet, the numbering of a tetrahedron; whole_meshio
 
 BIN = pathlib.Path(sys.argv[1])
 RANKS = int(sys.argv[2])
