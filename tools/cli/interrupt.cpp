@@ -36,6 +36,21 @@ std::string name_of_mark() {
 
 bool has_others = false;
 
+/// Whether SIGHUP was ignored when the process began, as `nohup` has it. A library that is loaded with the program may give
+/// the signal a handler of its own before `main`: UCX, which MPI uses, does (openucx/ucx, issue 10742). What stands in
+/// .preinit_array is called before any of that.
+bool hangup_is_ignored = false;
+
+void look_at_hangup() {
+  struct sigaction now {};
+  ::sigaction(SIGHUP, nullptr, &now);
+  hangup_is_ignored = hangup_is_ignored || now.sa_handler == SIG_IGN;
+}
+
+#ifndef __SANITIZE_ADDRESS__  // which begins there, too
+[[gnu::section(".preinit_array"), gnu::used]] void (*const before_libraries)() = look_at_hangup;
+#endif
+
 /// Open MPI's mpirun sends SIGTERM to all ranks and means to wait a second before it kills them; but the first that
 /// ends ends its wait (`sleep` returns at SIGCHLD), and it kills those that had no time yet. Nobody ends at once,
 /// therefore. Source: open-mpi/ompi v4.1, orte/mca/odls/base/odls_base_default_fns.c,
@@ -119,9 +134,9 @@ void end_well_on_interrupt(const std::string& tool, bool speaks, bool in_company
   struct sigaction action {};
   action.sa_handler = remove_files_and_end;
   for (const int signal : {SIGINT, SIGTERM, SIGUSR1}) ::sigaction(signal, &action, nullptr);
-  struct sigaction before {};
-  ::sigaction(SIGHUP, nullptr, &before);
-  if (before.sa_handler != SIG_IGN) ::sigaction(SIGHUP, &action, nullptr);
+  look_at_hangup();
+  if (hangup_is_ignored) action.sa_handler = SIG_IGN;
+  ::sigaction(SIGHUP, &action, nullptr);
 }
 
 void be_silent_on_interrupt() { interrupt_length = 0; }

@@ -132,6 +132,7 @@ Ending run(const par::Runtime& runtime, int argc, char** argv, const ToolInfo& i
 
 int run_tool(int argc, char** argv, const ToolInfo& info, const std::function<void(CommandLine&)>& declare,
              const std::function<ExitCode(Session&)>& work) {
+  keep_standard_streams();
   guard_exit_code();
   set_up_heap();
   const auto bad_files = check_named_files(argc, argv, info.files_in);  // no process of an MPI job forks

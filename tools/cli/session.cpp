@@ -134,7 +134,10 @@ void Session::summary(const std::string& line) const {
   if (options_.quiet || !comm_->is_first()) return;
   hide_step();
   const auto text = wrapped(one_line(line)) + "\n";
-  if (options_.json != "-") return print(text);
+  if (options_.json != "-") {
+    print(text);
+    return;
+  }
   std::fputs(text.c_str(), stderr);
   std::fflush(stderr);
 }
@@ -184,8 +187,7 @@ void Session::write_report(const nlohmann::json& report) const {
     // File names need not be UTF-8; JSON must be.
     const auto text = whole.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
     if (options_.json != "-") return write_whole(options_.json, text);
-    if (std::fputs(text.c_str(), stdout) < 0 || std::fflush(stdout) != 0)
-      throw Error("standard output: the report cannot be written");
+    if (!print(text)) throw Error("standard output: the report cannot be written");
   });
 }
 

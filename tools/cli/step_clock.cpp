@@ -9,10 +9,11 @@
 #include <cerrno>
 #include <climits>
 #include <csignal>
-#include <cstdlib>
 #include <cstring>
 #include <ctime>
 #include <string_view>
+
+#include "cli/launcher.hpp"
 
 namespace pamr::cli {
 
@@ -101,16 +102,11 @@ class Held {
   sigset_t before_{};
 };
 
-bool is_under_launcher() {
-  const std::array names{"OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK"};
-  return std::any_of(names.begin(), names.end(), [](const char* name) { return std::getenv(name) != nullptr; });
-}
-
 }  // namespace
 
 bool error_is_on_terminal() {
   if (::isatty(STDERR_FILENO) == 1) return true;
-  if (!is_under_launcher()) return false;
+  if (!is_under_launcher() || launcher_holds_lines_back()) return false;
   std::array<char, PATH_MAX> target{};
   const auto link = "/proc/" + std::to_string(::getppid()) + "/fd/2";
   if (::readlink(link.c_str(), target.data(), target.size() - 1) < 0) return false;

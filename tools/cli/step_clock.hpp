@@ -5,8 +5,8 @@
 
 namespace pamr::cli {
 
-/// Whether standard error ends at a terminal: that of this process or, under mpirun, which takes it through a pipe,
-/// that of the process that started it. Local.
+/// Whether standard error ends at a terminal where lines can change: that of this process or, under mpirun, which takes it
+/// through a pipe, that of the process that started it, unless that shows whole lines only. Local.
 bool error_is_on_terminal();
 
 /// Says on standard error that this work is under way, and for how long: on a terminal every second in one line,

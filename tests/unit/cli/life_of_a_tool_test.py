@@ -8,7 +8,9 @@ import concurrent.futures
 import glob
 import json
 import os
+import pathlib
 import re
+import shlex
 import signal
 import subprocess
 import sys
@@ -16,12 +18,15 @@ import tempfile
 import time
 import unittest
 
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[2] / "support"))
+import launcher  # noqa: E402
+
 PROBE, VERSION, LEFT_OUT, *MPIEXEC = sys.argv[1:]
+IS_OPEN_MPI_5 = launcher.is_of_open_mpi_5(MPIEXEC)
 
 
 def command(ranks, arguments):
-    launcher = [] if ranks == 1 else MPIEXEC + [str(ranks)]
-    return launcher + [PROBE] + arguments
+    return ([] if ranks == 1 else MPIEXEC + [str(ranks)]) + [PROBE] + arguments
 
 
 def run(ranks, *arguments):
@@ -146,6 +151,12 @@ class LifeOfATool(unittest.TestCase):
             self.assertEqual(json.loads(result.stdout)["ranks"], ranks)
             self.assertEqual(result.stderr, f"done on {ranks} ranks\n")
 
+    def test_a_long_report_on_standard_output_is_whole(self):
+        for ranks in (1, 3):
+            result = run(ranks, "--json", "-", "--how", "long-report")
+            self.assertEqual(json.loads(result.stdout)["numbers"], [12345] * 4000)
+            self.assertEqual(result.stderr, f"done on {ranks} ranks\n")
+
     def test_the_report_must_have_a_place_of_its_own(self):
         self.assert_error_once(run(1, "--json", self.path("no/report")), 2, "folder")
         self.assert_error_once(run(1, self.input, "--json", self.input), 2, "same file")
@@ -163,15 +174,25 @@ class LifeOfATool(unittest.TestCase):
             self.assertRegex(result.stderr.splitlines()[-1], "^pamr-probe: error: standard output: .* written")
         with open("/dev/full", "w", encoding="ascii") as full:
             self.assertEqual(subprocess.run([PROBE, "--quiet"], stdout=full, timeout=300).returncode, 0)
-        closed = subprocess.run([PROBE], stderr=subprocess.PIPE, preexec_fn=lambda: os.close(1), timeout=300)
-        self.assertEqual((closed.returncode, closed.stderr), (0, b""))  # nobody listens
+
+    def test_nothing_is_printed_into_files_where_streams_are_closed(self):
+        out = self.path("out")
+        for number in (0, 1, 2):
+            closed = subprocess.run([PROBE, "-o", out, "--force", "--how", "warn"], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                                    stderr=subprocess.PIPE, preexec_fn=lambda: os.close(number), timeout=300)
+            streams = [b"", b"done on 1 ranks\n", b"pamr-probe: warning: a file named a\\nb\\x1b\n"]
+            streams[number] = b""  # nobody listens
+            self.assertEqual([closed.returncode, closed.stdout, closed.stderr], [0] + streams[1:], number)
+            with open(out, encoding="ascii") as file:
+                self.assertEqual(file.read(), "all of it\n")
 
     def start_two(self, first, second, folder=None):
-        """A job of two ranks that begin differently."""
-        here = ["-wdir", self.folder]
-        launcher = MPIEXEC[:-1]
-        return subprocess.run(launcher + here + ["-n", "1", PROBE] + first + [":"] + (["-wdir", folder] if folder else here) +
-                              ["-n", "1", PROBE] + second, capture_output=True, text=True, timeout=300)
+        """A job of two ranks that begin differently, by a shell: mpirun of Open MPI 5.0.7 crashes if a command has a colon."""
+        def begin(where, arguments):
+            return f"cd {shlex.quote(where)} && exec {shlex.join([PROBE] + arguments)}"
+        script = 'if [ "${OMPI_COMM_WORLD_RANK:-$PMI_RANK}" = 0 ]; then %s; else %s; fi' % (
+            begin(self.folder, first), begin(folder or self.folder, second))
+        return subprocess.run(MPIEXEC + ["2", "sh", "-c", script], capture_output=True, text=True, timeout=300)
 
     def test_ranks_have_to_begin_alike(self):
         os.mkdir(self.path("other"))
@@ -286,7 +307,8 @@ class LifeOfATool(unittest.TestCase):
                 self.assertEqual(os.listdir(self.folder), ["in put.txt"])
 
     def test_an_interrupt_gives_one_message_and_code_6(self):
-        """mpirun hands SIGUSR1 on, with the exit code; after Ctrl-C its own exit code is 1 whatever the ranks say."""
+        """mpirun hands SIGUSR1 on, with the exit code; after Ctrl-C its own exit code is 1 whatever the ranks say, which
+        that of Open MPI 5 does not show any more."""
         said = "pamr-probe: interrupted: outputs that were not complete are removed\n"
         for how, ranks, number, code in (("sleep", 1, signal.SIGINT, 6), ("sleep", 1, signal.SIGTERM, 6), ("sleep", 3, signal.SIGUSR1, 6),
                                          ("sleep", 3, signal.SIGINT, 1), ("sleep-deeply", 3, signal.SIGINT, 1)):
@@ -295,7 +317,9 @@ class LifeOfATool(unittest.TestCase):
             self.wait_until(self.unfinished)
             process.send_signal(number)
             out, err = process.communicate(timeout=300)
-            self.assertEqual((process.returncode, out, err.count(said)), (code, "", 1), (how, ranks, number, err))
+            self.assertEqual((process.returncode, out), (code, ""), (how, ranks, number, err))
+            is_shown = not (IS_OPEN_MPI_5 and ranks > 1 and number == signal.SIGINT)
+            self.assertIn(err.count(said), (1,) if is_shown else (0, 1), (how, ranks, number, err))
             self.wait_until(lambda: not self.unfinished())
 
     def test_signals_in_a_row_give_one_message(self):
@@ -303,7 +327,7 @@ class LifeOfATool(unittest.TestCase):
                                    stderr=subprocess.PIPE, text=True)
         self.wait_until(self.unfinished)
         with open(f"/proc/{process.pid}/task/{process.pid}/children", encoding="ascii") as file:
-            ranks = [int(child) for child in file.read().split()]
+            ranks = [int(child) for child in file.read().split() if os.path.samefile(f"/proc/{child}/exe", PROBE)]
         self.assertEqual(len(ranks), 3)
         for number in (signal.SIGUSR1, signal.SIGTERM):
             for rank in ranks:
@@ -346,6 +370,9 @@ class LifeOfATool(unittest.TestCase):
         return text
 
     def assert_progress_is_a_bar_on_a_terminal(self, ranks):
+        if ranks > 1 and IS_OPEN_MPI_5:  # a line that is not complete would not be seen
+            self.assertNotIn(b"\r", self.on_terminal(ranks, "progress"))
+            return
         text = self.on_terminal(ranks, "progress")
         self.assertRegex(text, rb"\r\x1b\[K\[#+\.+\] walking: \d+ of 40 steps \(\d+ %\), [0-9.]+ steps/s, 0:0\d left, uphill")
         self.assertGreater(text.count(b"walking"), 5)

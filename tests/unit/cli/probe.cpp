@@ -11,6 +11,7 @@
 #include <stdexcept>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "cli/output_file.hpp"
 #include "cli/run_tool.hpp"
@@ -87,7 +88,9 @@ ExitCode work(Session& session, const std::string& input, const std::string& out
     file.commit();
   }
   misbehave_behind_output(how, session.comm());
-  session.write_report({{"ranks", session.comm().size()}, {"input", input}});
+  nlohmann::json report{{"ranks", session.comm().size()}, {"input", input}};
+  if (how == "long-report") report["numbers"] = std::vector<int>(4000, 12345);  // a line each
+  session.write_report(report);
   if (how == "step") {
     session.step("resting 7 cells");
     for (int i = 0; i < 100 && !(i > 15 && session.options().quiet); ++i)
