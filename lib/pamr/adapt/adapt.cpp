@@ -16,6 +16,7 @@
 #include "pamr/adapt/pass.hpp"
 #include "pamr/adapt/take_back.hpp"
 #include "pamr/base/contract.hpp"
+#include "pamr/base/memory.hpp"
 #include "pamr/mesh/field.hpp"
 #include "pamr/refine/requests.hpp"
 #include "pamr/refine/transfer.hpp"
@@ -102,7 +103,7 @@ Result as_it_is(mesh::DistMesh mesh, const refine::Options& options) {
   if (options.parent_field)
     result.mesh.cell_fields.push_back(
         {mesh::parent_field, "", 1, mesh::StorageType::int64, std::vector<std::int64_t>(origin.begin(), origin.end())});
-  origin = {};
+  free_array(origin);
   result.report.cells_out = result.mesh.info.n_global_cells;
   result.report.nodes_out = result.mesh.info.n_global_nodes;
   return result;

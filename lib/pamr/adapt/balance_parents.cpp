@@ -85,10 +85,12 @@ Balanced balance_parents(const par::Comm& comm, Parents parents, std::span<const
   report.partition_seconds = middle - start;
   if (report.moved_cells == 0) return balanced;
   auto bytes = closure_to_bytes(closure);
-  { const auto of_old_mesh = std::move(borders); }  // the cells on their way need its room
-  mesh = balance::migrate(comm, std::move(mesh), wanted.part, &bytes);
   const bool cut_faces_conform = closure.cut_faces_conform;
-  closure = closure_from_bytes(mesh, bytes, options.refinement, closure.report);
+  const auto of_closure = closure.report;
+  borders = {};  // the cells on their way need the room
+  closure = {};
+  mesh = balance::migrate(comm, std::move(mesh), wanted.part, &bytes);
+  closure = closure_from_bytes(mesh, bytes, options.refinement, of_closure);
   closure.cut_faces_conform = cut_faces_conform;
   borders = mesh::find_borders(comm, mesh);
   report.migrate_seconds = wall_seconds() - middle;

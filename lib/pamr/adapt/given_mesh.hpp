@@ -4,6 +4,7 @@
 #include <utility>
 #include <variant>
 
+#include "pamr/base/memory.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
 
 namespace pamr::adapt {
@@ -25,7 +26,15 @@ class GivenMesh {
   }
   /// Frees the links from cell to cell of a mesh that is not lent, when they are of no use any more.
   void drop_links() {
-    if (!is_lent()) std::get<mesh::DistMesh>(mesh_).cell_to_cell = {};
+    if (!is_lent()) free_array(std::get<mesh::DistMesh>(mesh_).cell_to_cell);
+  }
+  /// Frees the values of one of its fields likewise.
+  void drop_values(const mesh::Field& field) {
+    if (is_lent()) return;
+    auto& mesh = std::get<mesh::DistMesh>(mesh_);
+    for (auto* fields : {&mesh.node_fields, &mesh.cell_fields})
+      for (auto& one : *fields)
+        if (&one == &field) std::visit([](auto& values) { free_array(values); }, one.value);
   }
 
  private:

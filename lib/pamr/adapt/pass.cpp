@@ -101,7 +101,8 @@ Result transfer_pass(Closed closed, Split split, const refine::Options& options)
   const auto& mesh = closed.mesh.get();
   auto fine = std::move(split.fine);
   const refine::NumberedMesh old{mesh, closed.closure, split.numbering};
-  auto fields = refine::transfer(old, fine.cell_to_node, split.certificate, options);
+  auto fields = refine::transfer(old, fine.cell_to_node, split.certificate, options,
+                                 [&](const mesh::Field& field) { closed.mesh.drop_values(field); });
   refine::keep_integrals(old, fine, options.integrals, fields.of_cells);
   fine.node_fields = std::move(fields.of_nodes);
   for (auto& inner_patches : fine.cell_fields) fields.of_cells.push_back(std::move(inner_patches));

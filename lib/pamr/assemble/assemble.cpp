@@ -50,7 +50,7 @@ void number_nodes(mesh::DistMesh& mesh, std::vector<std::array<GlobalId, 4>> cel
 void fetch_nodes(const par::Comm& comm, mesh::DistMesh& mesh, mesh::BlockMesh& block) {
   const auto all = mesh.info.node_ids();
   mesh.node_position = par::fetch_rows<geometry::Vec3>(comm, all, block.node_position, 1, mesh.node_global);
-  block.node_position = {};
+  free_array(block.node_position);
   for (auto& field : block.node_fields) {
     std::visit(
         [&]<class T>(std::vector<T>& values) {

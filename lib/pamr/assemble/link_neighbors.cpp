@@ -178,7 +178,7 @@ CellOwners find_owners(const par::Comm& comm, IdRange cells, const std::vector<G
 void link_neighbors(const par::Comm& comm, mesh::DistMesh& mesh, std::vector<std::array<GlobalId, 4>> neighbor,
                     const CellOwners& owners) {
   auto remote = translate(mesh, neighbor);
-  neighbor = {};
+  free_array(neighbor);
   ask_owners(comm, mesh.info.cell_ids(), owners, remote);
   mesh::fill_border(comm.rank(), mesh, remote);
   const bool on_border = mesh::border_agrees(

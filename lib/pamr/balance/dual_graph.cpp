@@ -5,6 +5,7 @@
 
 #include "pamr/base/contract.hpp"
 #include "pamr/base/index.hpp"
+#include "pamr/base/memory.hpp"
 #include "pamr/geometry/box.hpp"
 #include "pamr/mesh/ghost_values.hpp"
 #include "pamr/order/hilbert.hpp"
@@ -86,7 +87,7 @@ Groups group_by_weight(const mesh::DistMesh& mesh, std::span<const std::int64_t>
     first.push_back(c);
   }
   const auto order = sort_by_bucket(bucket);
-  bucket = {};
+  free_array(bucket);
   Groups groups;
   groups.cell.reserve(at(mesh.n_cells()));
   std::int64_t weight = 0;
@@ -116,7 +117,7 @@ DualGraph build_dual_graph(const par::Comm& comm, const mesh::DistMesh& mesh, co
   std::vector<GlobalId> vertex(at(mesh.n_cells()));
   for (std::size_t c = 0; c < vertex.size(); ++c) vertex[c] = graph.first_vertex + cell_to_group[c];
   const auto beyond = mesh::ghost_values(comm, mesh, vertex);
-  vertex = {};
+  free_array(vertex);
   const GhostVertices ghosts(beyond);
 
   graph.weight.resize(n, 0);

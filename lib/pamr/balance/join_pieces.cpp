@@ -91,52 +91,33 @@ class NodeJoiner {
   std::vector<Source> source_;
 };
 
-/// Rows of a piece that follow each other in the joined mesh, too.
-struct RowRun {
-  std::uint32_t piece = 0;
-  std::size_t first = 0, n = 0;
-};
-
 std::vector<RowRun> runs_of(const std::vector<Source>& order) {
   std::vector<RowRun> runs;
   for (const auto [piece, row] : order)
-    if (!runs.empty() && runs.back().piece == piece && runs.back().first + runs.back().n == at(row))
+    if (!runs.empty() && runs.back().piece == piece && runs.back().first + runs.back().n == row)
       ++runs.back().n;
     else
-      runs.push_back({piece, at(row), 1});
+      runs.push_back({piece, row, 1});
   return runs;
 }
 
 /// These rows of one array of every piece, which are freed.
 template <class Array>
-auto gather(std::vector<Piece>& pieces, const std::vector<RowRun>& runs, std::size_t width, Array array) {
+auto gather(std::vector<Piece>& pieces, const std::vector<RowRun>& runs, Array array) {
   std::remove_reference_t<decltype(array(pieces.front()))> all;
   std::vector<decltype(all.data())> from;
   for (auto& piece : pieces) from.push_back(array(piece).data());
   std::size_t n_rows = 0;
-  for (const auto& run : runs) n_rows += run.n;
-  reserve_array(all, n_rows * width);
+  for (const auto& run : runs) n_rows += at(run.n);
+  reserve_array(all, n_rows);
   for (const auto& [piece, first, n] : runs) {
-    const auto* values = from[piece] + first * width;
-    if (n == 1 && width == 1)
+    const auto* values = from[piece] + first;
+    if (n == 1)
       all.push_back(*values);
     else
-      all.insert(all.end(), values, values + n * width);
+      all.insert(all.end(), values, values + n);
   }
-  for (auto& piece : pieces) array(piece) = {};
-  return all;
-}
-
-template <class Fields>
-std::vector<mesh::Field> gather_fields(std::vector<Piece>& pieces, const std::vector<RowRun>& runs, Fields fields_of) {
-  auto all = empty_like(fields_of(pieces.front()));
-  for (std::size_t f = 0; f < all.size(); ++f)
-    std::visit(
-        [&]<class T>(std::vector<T>& values) {
-          values = gather(pieces, runs, at(all[f].n_components),
-                          [&](Piece& p) -> std::vector<T>& { return std::get<std::vector<T>>(fields_of(p)[f].value); });
-        },
-        all[f].value);
+  for (auto& piece : pieces) free_array(array(piece));
   return all;
 }
 
@@ -206,8 +187,9 @@ std::vector<mesh::RemoteFace> join_neighbors(Rank here, const std::vector<Piece>
 
 }  // namespace
 
-mesh::DistMesh join_pieces(Rank here, std::vector<Piece> pieces, std::vector<std::uint8_t>& cell_byte) {
-  mesh::DistMesh mesh;
+Joined join_pieces(Rank here, std::vector<Piece> pieces, std::vector<std::uint8_t>& cell_byte) {
+  Joined joined;
+  auto& [mesh, cells, nodes] = joined;
   const auto order = merge_order(here, pieces);
   narrow<LocalId>(order.size());
   {
@@ -217,34 +199,30 @@ mesh::DistMesh join_pieces(Rank here, std::vector<Piece> pieces, std::vector<std
       auto& corners = mesh.cell_to_node.emplace_back(pieces[cell.piece].mesh.cell_to_node[at(cell.cell)]);
       for (auto& node : corners) node = joiner.number(cell, node);
     }
-    for (auto& piece : pieces) piece.mesh.cell_to_node = {};
-    const auto nodes = runs_of(joiner.sources());
-    mesh.node_global = gather(
-        pieces, nodes, 1, [](Piece & p) -> auto& { return p.mesh.node_global; });
-    mesh.node_position = gather(
-        pieces, nodes, 1, [](Piece & p) -> auto& { return p.mesh.node_position; });
-    mesh.node_fields = gather_fields(
-        pieces, nodes, [](Piece & p) -> auto& { return p.mesh.node_fields; });
+    for (auto& piece : pieces) free_array(piece.mesh.cell_to_node);
+    nodes = runs_of(joiner.sources());
   }
-  const auto cells = runs_of(order);
+  mesh.node_global = gather(
+      pieces, nodes, [](Piece & p) -> auto& { return p.mesh.node_global; });
+  mesh.node_position = gather(
+      pieces, nodes, [](Piece & p) -> auto& { return p.mesh.node_position; });
+  cells = runs_of(order);
   const auto numbers = find_new_numbers(here, pieces, order);
   mesh.cell_global = gather(
-      pieces, cells, 1, [](Piece & p) -> auto& { return p.mesh.cell_global; });
+      pieces, cells, [](Piece & p) -> auto& { return p.mesh.cell_global; });
   mesh.lineage = gather(
-      pieces, cells, 1, [](Piece & p) -> auto& { return p.mesh.lineage; });
+      pieces, cells, [](Piece & p) -> auto& { return p.mesh.lineage; });
   if (std::any_of(pieces.begin(), pieces.end(), [](const Piece& p) { return !p.mesh.cell_origin.empty(); }))
     mesh.cell_origin = gather(
-        pieces, cells, 1, [](Piece & p) -> auto& { return p.mesh.cell_origin; });
-  mesh.cell_fields = gather_fields(
-      pieces, cells, [](Piece & p) -> auto& { return p.mesh.cell_fields; });
+        pieces, cells, [](Piece & p) -> auto& { return p.mesh.cell_origin; });
   cell_byte.clear();
   if (std::any_of(pieces.begin(), pieces.end(), [](const Piece& p) { return !p.cell_byte.empty(); }))
     cell_byte = gather(
-        pieces, cells, 1, [](Piece & p) -> auto& { return p.cell_byte; });
+        pieces, cells, [](Piece & p) -> auto& { return p.cell_byte; });
   const auto border = join_neighbors(here, pieces, numbers, order, mesh);
   pieces = {};
   mesh::fill_border(here, mesh, border);
-  return mesh;
+  return joined;
 }
 
 }  // namespace pamr::balance

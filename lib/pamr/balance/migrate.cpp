@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "pamr/balance/join_pieces.hpp"
+#include "pamr/balance/move_fields.hpp"
 #include "pamr/balance/piece.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
@@ -19,6 +20,9 @@
 namespace pamr::balance {
 
 namespace {
+
+/// What a cell takes in a message, without fields: corners, neighbors, number, lineage and its share of the nodes.
+constexpr std::size_t bytes_of_cell = 64;
 
 /// Cells that a rank sends at once, the same on every rank: an eighth of an even share, so that messages are small
 /// beside the mesh, within limits.
@@ -51,23 +55,39 @@ void check_destinations(const par::Comm& comm, const mesh::DistMesh& mesh, std::
   });
 }
 
-/// Sends the departing cells, grouped by target, round after round; returns the pieces that arrive.
-void exchange_pieces(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<const Rank> destination,
-                     PieceCutter& cutter, std::vector<LocalId> departing, std::vector<Piece>& pieces) {
+/// What the rows of fields follow: of cells and of nodes.
+struct Moves {
+  RowMoves cells, nodes;
+};
+
+/// Sends the departing cells, grouped by target, round after round; returns what has gone and come, and adds the pieces
+/// that arrive.
+Moves exchange_pieces(const par::Comm& comm, std::span<const Rank> destination, PieceCutter& cutter,
+                      std::vector<LocalId> departing, std::size_t cells_at_once, std::vector<Piece>& pieces) {
   std::stable_sort(departing.begin(), departing.end(),
                    [&](LocalId a, LocalId b) { return destination[at(a)] < destination[at(b)]; });
-  par::in_rounds(comm, departing.size(), cells_of_round(comm, mesh), [&](std::size_t begin, std::size_t end) {
+  Moves moves;
+  par::in_rounds(comm, departing.size(), cells_at_once, [&](std::size_t begin, std::size_t end) {
     std::vector<par::Outgoing<std::byte>> messages;
     while (begin < end) {
       const auto to = destination[at(departing[begin])];
       auto last = begin;
       while (last < end && destination[at(departing[last])] == to) ++last;
-      messages.push_back({to, pack(cutter.cut(std::span<const LocalId>(departing).subspan(begin, last - begin)))});
+      const auto cells = std::span<const LocalId>(departing).subspan(begin, last - begin);
+      messages.push_back({to, pack(cutter.cut(cells, moves.nodes.sent))});
+      moves.cells.to.resize(last, to);
+      moves.nodes.to.resize(moves.nodes.sent.size(), to);
       begin = last;
     }
     const auto arrived = comm.sparse_exchange(messages);
-    for (std::size_t r = 0; r < arrived.rank.size(); ++r) pieces.push_back(unpack(arrived.from(r), mesh));
+    for (std::size_t r = 0; r < arrived.rank.size(); ++r) {
+      const auto& piece = pieces.emplace_back(unpack(arrived.from(r)));
+      moves.cells.arrived.push_back({arrived.rank[r], piece.mesh.n_cells()});
+      moves.nodes.arrived.push_back({arrived.rank[r], piece.mesh.n_nodes()});
+    }
   });
+  moves.cells.sent = std::move(departing);
+  return moves;
 }
 
 /// Cells beyond the border are on other ranks now; the rank's own are what they were. The border gets the order in
@@ -84,6 +104,22 @@ void renew_border(Rank here, std::span<const Rank> ghost_to, mesh::DistMesh& mes
   mesh::fill_border(here, mesh, border);
 }
 
+/// The cells and nodes of this rank in the mesh whose cells have moved.
+mesh::DistMesh join(Rank here, mesh::DistMesh mesh, std::vector<Piece> pieces, std::vector<std::uint8_t>* cell_byte,
+                    Moves& moves) {
+  auto info = std::move(mesh.info);
+  auto& own = pieces.front();
+  own.mesh = std::move(mesh);
+  if (cell_byte != nullptr) own.cell_byte = std::move(*cell_byte);
+  std::vector<std::uint8_t> bytes;
+  auto joined = join_pieces(here, std::move(pieces), bytes);
+  joined.mesh.info = std::move(info);
+  if (cell_byte != nullptr) *cell_byte = std::move(bytes);
+  moves.cells.result = std::move(joined.cells);
+  moves.nodes.result = std::move(joined.nodes);
+  return std::move(joined.mesh);
+}
+
 mesh::DistMesh move_cells(const par::Comm& comm, mesh::DistMesh mesh, std::span<const Rank> destination,
                           std::vector<std::uint8_t>* cell_byte) {
   check_destinations(comm, mesh, destination, cell_byte);
@@ -93,28 +129,29 @@ mesh::DistMesh move_cells(const par::Comm& comm, mesh::DistMesh mesh, std::span<
   const bool none_departs = departing.empty();
   if (!comm.any(!none_departs)) return mesh;
 
+  auto cell_fields = std::exchange(mesh.cell_fields, {}), node_fields = std::exchange(mesh.node_fields, {});
+  const auto cells_at_once = cells_of_round(comm, mesh);
   std::vector<Piece> pieces(1);
   auto ghost_to = mesh::ghost_values(comm, mesh, destination);
-  {
+  auto moves = [&] {
     PieceCutter cutter(
         mesh, destination, ghost_to,
         cell_byte != nullptr ? std::span<const std::uint8_t>(*cell_byte) : std::span<const std::uint8_t>());
-    exchange_pieces(comm, mesh, destination, cutter, std::move(departing), pieces);
-  }
+    return exchange_pieces(comm, destination, cutter, std::move(departing), cells_at_once, pieces);
+  }();
   if (none_departs && pieces.size() == 1 && std::is_sorted(mesh.cell_global.begin(), mesh.cell_global.end())) {
     renew_border(comm.rank(), ghost_to, mesh);
-    return mesh;
+    if (mesh.n_cells() > 0) moves.cells.result = {{0, 0, mesh.n_cells()}};
+    if (mesh.n_nodes() > 0) moves.nodes.result = {{0, 0, mesh.n_nodes()}};
+  } else {
+    pieces.front().ghost_to = std::move(ghost_to);
+    pieces.front().destination = destination;
+    mesh = join(comm.rank(), std::move(mesh), std::move(pieces), cell_byte, moves);
   }
-  auto info = std::move(mesh.info);
-  auto& own = pieces.front();
-  own.mesh = std::move(mesh);
-  own.ghost_to = std::move(ghost_to);
-  own.destination = destination;
-  if (cell_byte != nullptr) own.cell_byte = std::move(*cell_byte);
-  std::vector<std::uint8_t> bytes;
-  mesh = join_pieces(comm.rank(), std::move(pieces), bytes);
-  mesh.info = std::move(info);
-  if (cell_byte != nullptr) *cell_byte = std::move(bytes);
+  const auto bytes_of_round = bytes_of_cell * cells_at_once;
+  mesh.cell_fields = move_fields(comm, std::move(cell_fields), moves.cells, bytes_of_round);
+  moves.cells = {};
+  mesh.node_fields = move_fields(comm, std::move(node_fields), moves.nodes, bytes_of_round);
   return mesh;
 }
 

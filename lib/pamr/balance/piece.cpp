@@ -12,22 +12,6 @@ namespace pamr::balance {
 
 namespace {
 
-/// Rows `rows` of every field.
-std::vector<mesh::Field> select(const std::vector<mesh::Field>& fields, std::span<const LocalId> rows) {
-  auto selected = empty_like(fields);
-  for (std::size_t f = 0; f < fields.size(); ++f)
-    std::visit(
-        [&]<class T>(const std::vector<T>& from) {
-          auto& to = std::get<std::vector<T>>(selected[f].value);
-          const auto width = at(fields[f].n_components);
-          to.reserve(rows.size() * width);
-          for (const auto row : rows)
-            for (std::size_t k = 0; k < width; ++k) to.push_back(from[at(row) * width + k]);
-        },
-        fields[f].value);
-  return selected;
-}
-
 struct Header {
   std::int64_t n_cells = 0, n_nodes = 0, n_ghosts = 0, n_cell_bytes = 0, n_origins = 0;
 };
@@ -43,10 +27,6 @@ void for_each_array(P& piece, const Header& header, Visit visit) {
   visit(mesh.node_position, n_nodes);
   visit(mesh.ghost_global, n_ghosts);
   visit(mesh.cell_origin, at(header.n_origins));
-  for (auto& field : mesh.cell_fields)
-    std::visit([&](auto& values) { visit(values, n_cells * at(field.n_components)); }, field.value);
-  for (auto& field : mesh.node_fields)
-    std::visit([&](auto& values) { visit(values, n_nodes * at(field.n_components)); }, field.value);
   visit(mesh.cell_to_node, n_cells);
   visit(mesh.cell_to_cell, n_cells);
   visit(mesh.lineage, n_cells);
@@ -55,15 +35,6 @@ void for_each_array(P& piece, const Header& header, Visit visit) {
 }
 
 }  // namespace
-
-std::vector<mesh::Field> empty_like(const std::vector<mesh::Field>& fields) {
-  std::vector<mesh::Field> empty;
-  for (const auto& field : fields) {
-    auto& one = empty.emplace_back(mesh::Field{field.name, field.unit, field.n_components, field.storage, {}});
-    if (field.holds_integers()) one.value = std::vector<std::int64_t>{};
-  }
-  return empty;
-}
 
 PieceCutter::PieceCutter(const mesh::DistMesh& mesh, std::span<const Rank> destination, std::span<const Rank> ghost_to,
                          std::span<const std::uint8_t> cell_byte)
@@ -100,35 +71,34 @@ void PieceCutter::cut_neighbors(std::span<const LocalId> cells, Piece& piece) {
   for (const auto cell : cells) cell_to_piece_[at(cell)] = invalid_local;
 }
 
-void PieceCutter::cut_nodes(std::span<const LocalId> cells, Piece& piece) {
+void PieceCutter::cut_nodes(std::span<const LocalId> cells, Piece& piece, std::vector<LocalId>& nodes) {
   auto& out = piece.mesh;
-  std::vector<LocalId> nodes;
+  const auto first = nodes.size();
   out.cell_to_node.reserve(cells.size());
   for (const auto cell : cells) {
     auto& corners = out.cell_to_node.emplace_back(mesh_->cell_to_node[at(cell)]);
     for (auto& node : corners) {
       auto& here = node_to_piece_[at(node)];
       if (here == invalid_local) {
-        here = static_cast<LocalId>(nodes.size());
+        here = static_cast<LocalId>(nodes.size() - first);
         nodes.push_back(node);
       }
       node = here;
     }
   }
-  out.node_global.reserve(nodes.size());
-  out.node_position.reserve(nodes.size());
-  for (const auto node : nodes) {
+  out.node_global.reserve(nodes.size() - first);
+  out.node_position.reserve(nodes.size() - first);
+  for (const auto node : std::span<const LocalId>(nodes).subspan(first)) {
     out.node_global.push_back(mesh_->node_global[at(node)]);
     out.node_position.push_back(mesh_->node_position[at(node)]);
     node_to_piece_[at(node)] = invalid_local;
   }
-  out.node_fields = select(mesh_->node_fields, nodes);
 }
 
-Piece PieceCutter::cut(std::span<const LocalId> cells) {
+Piece PieceCutter::cut(std::span<const LocalId> cells, std::vector<LocalId>& nodes) {
   Piece piece;
   cut_neighbors(cells, piece);
-  cut_nodes(cells, piece);
+  cut_nodes(cells, piece, nodes);
   auto& out = piece.mesh;
   out.cell_global.reserve(cells.size());
   out.lineage.reserve(cells.size());
@@ -138,7 +108,6 @@ Piece PieceCutter::cut(std::span<const LocalId> cells) {
     if (!mesh_->cell_origin.empty()) out.cell_origin.push_back(mesh_->cell_origin[at(cell)]);
     if (!cell_byte_.empty()) piece.cell_byte.push_back(cell_byte_[at(cell)]);
   }
-  out.cell_fields = select(mesh_->cell_fields, cells);
   return piece;
 }
 
@@ -162,10 +131,8 @@ std::vector<std::byte> pack(const Piece& piece) {
   return bytes;
 }
 
-Piece unpack(std::span<const std::byte> bytes, const mesh::DistMesh& like) {
+Piece unpack(std::span<const std::byte> bytes) {
   Piece piece;
-  piece.mesh.cell_fields = empty_like(like.cell_fields);
-  piece.mesh.node_fields = empty_like(like.node_fields);
   const auto* from = bytes.data();
   const auto take = [&](void* to, std::size_t n) {
     PAMR_EXPECTS(n <= at(bytes.data() + bytes.size() - from));

@@ -13,7 +13,7 @@ namespace pamr::balance {
 
 /// Some cells of a mesh with the nodes they use, as a little mesh: a neighbor slot holds a cell of the piece, a ghost
 /// (n_cells + k: cell `ghost_global[k]`, which goes to rank `ghost_to[k]`) or a boundary patch. The lists of border
-/// ranks and faces are empty.
+/// ranks and faces are empty, and so are the fields, which follow by themselves (`move_fields`).
 struct Piece {
   mesh::DistMesh mesh;
   std::vector<Rank> ghost_to;
@@ -34,12 +34,12 @@ class PieceCutter {
  public:
   PieceCutter(const mesh::DistMesh& mesh, std::span<const Rank> destination, std::span<const Rank> ghost_to,
               std::span<const std::uint8_t> cell_byte);
-  /// `cells` ascend.
-  Piece cut(std::span<const LocalId> cells);
+  /// `cells` ascend. Appends to `nodes` the numbers that the nodes of the piece have in the mesh, in the piece's order.
+  Piece cut(std::span<const LocalId> cells, std::vector<LocalId>& nodes);
 
  private:
   void cut_neighbors(std::span<const LocalId> cells, Piece& piece);
-  void cut_nodes(std::span<const LocalId> cells, Piece& piece);
+  void cut_nodes(std::span<const LocalId> cells, Piece& piece, std::vector<LocalId>& nodes);
 
   const mesh::DistMesh* mesh_;
   std::span<const Rank> destination_;
@@ -49,11 +49,8 @@ class PieceCutter {
   std::vector<LocalId> node_to_piece_;
 };
 
-/// A piece as bytes and back. `like` has the fields (names, types, widths) that the piece has.
+/// A piece as bytes and back.
 std::vector<std::byte> pack(const Piece& piece);
-Piece unpack(std::span<const std::byte> bytes, const mesh::DistMesh& like);
-
-/// Fields without values: names, units, types and widths of `fields`.
-std::vector<mesh::Field> empty_like(const std::vector<mesh::Field>& fields);
+Piece unpack(std::span<const std::byte> bytes);
 
 }  // namespace pamr::balance

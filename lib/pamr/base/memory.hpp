@@ -25,6 +25,12 @@ void reserve_array(std::vector<T>& array, std::size_t n) {
   advise_large_pages(array.data(), array.capacity() * sizeof(T));
 }
 
+/// Gives the memory of an array back. (`array = {}` would keep its room: it assigns a list of no items.)
+template <class T>
+void free_array(std::vector<T>& array) {
+  std::vector<T>().swap(array);
+}
+
 /// A copy with room for `n` items.
 template <class T>
 std::vector<T> copy_array(const std::vector<T>& array, std::size_t n) {

@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "pamr/base/contract.hpp"
+#include "pamr/base/memory.hpp"
 #include "pamr/base/sorted_order.hpp"
 
 // A sample sort: every rank sorts its cells, regular samples of all give the borders between the ranks' parts of the
@@ -53,7 +54,7 @@ std::vector<GlobalId> places_along_curve(const par::Comm& comm, const mesh::Bloc
     parts.push_back({static_cast<Rank>(border - borders.begin()), {begin, end}});
     begin = end;
   }
-  stops = {};
+  free_array(stops);
 
   // Equal keys arrive in order of their cells: ranks ascend, and with them the cells' numbers.
   const auto arrived = comm.sparse_exchange(parts);

@@ -193,16 +193,21 @@ bool is_inherited(const mesh::CellField& field, const Options& options) {
   return field.name != options.marks_field && !(field.name == mesh::parent_field && options.parent_field);
 }
 
-std::vector<mesh::NodeField> transfer_to_nodes(const NumberedMesh& old, const Certificate& certificate) {
+std::vector<mesh::NodeField> transfer_to_nodes(const NumberedMesh& old, const Certificate& certificate,
+                                               const ReleaseField& release) {
   std::vector<mesh::NodeField> fields;
   const mesh::NodeField* off_facets = nullptr;
-  for (const auto& field : old.mesh.node_fields)
-    if (field.name == mesh::off_facets_field && !field.holds_integers() && field.n_components == 1)
+  for (const auto& field : old.mesh.node_fields) {
+    if (field.name == mesh::off_facets_field && !field.holds_integers() && field.n_components == 1) {
       off_facets = &field;
-    else if (field.name == mesh::level0_key_field)
+      continue;
+    }
+    if (field.name == mesh::level0_key_field)
       fields.push_back(keys_of(old, field));
     else if (field.name != mesh::off_surface_field)
       fields.push_back(to_nodes(old, field));
+    release(field);
+  }
   if (certificate.n_off_surface > 0)
     fields.push_back(distances(old, mesh::off_surface_field, {}, certificate.off_surface));
   if (off_facets != nullptr || certificate.n_off_facets > 0)
@@ -211,15 +216,17 @@ std::vector<mesh::NodeField> transfer_to_nodes(const NumberedMesh& old, const Ce
 }
 
 Fields transfer(const NumberedMesh& old, const std::vector<mesh::CellNodes>& cell_to_node,
-                const Certificate& certificate, const Options& options) {
+                const Certificate& certificate, const Options& options, const ReleaseField& release) {
   Fields fields;
-  fields.of_nodes = transfer_to_nodes(old, certificate);
+  fields.of_nodes = transfer_to_nodes(old, certificate, release);
   if (!options.parent_field && old.mesh.cell_fields.empty()) return fields;
 
   const auto parent = parents_of(old, cell_to_node);
-  for (const auto& field : old.mesh.cell_fields)
+  for (const auto& field : old.mesh.cell_fields) {
     if (is_inherited(field, options) && !mesh::is_inner_patch_field(field))
       fields.of_cells.push_back(to_cells(old, parent, field));
+    release(field);
+  }
   if (options.parent_field) fields.of_cells.push_back(numbers_of(parent, old.mesh));
   return fields;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "pamr/geometry/vec3.hpp"
@@ -18,6 +19,9 @@ struct Fields {
   std::vector<mesh::CellField> of_cells;
 };
 
+using ReleaseField = std::function<void(const mesh::Field&)>;
+inline void keep_field(const mesh::Field&) {}
+
 /// Gives the fields of the old mesh to the children, whose nodes are `cell_to_node`.
 /// - Nodal fields: old values stay, a new node gets the mean of the ends of its edge (P1); integers that of the end
 ///   that comes first by coordinates.
@@ -30,16 +34,20 @@ struct Fields {
 /// - `parent` is added if the options ask for it: the input cell (`mesh::DistMesh::cell_origin`) that holds the new
 ///   cell's centroid while new nodes still lie on their edges, the smallest number among equals.
 ///
+/// `release` is called for each field of the old mesh when it is not looked at any more: its values may be freed then,
+/// so that no more than one field is there twice.
+///
 /// Local. Cost: O(children) for each field.
 Fields transfer(const NumberedMesh& old, const std::vector<mesh::CellNodes>& cell_to_node,
-                const Certificate& certificate, const Options& options);
+                const Certificate& certificate, const Options& options, const ReleaseField& release = keep_field);
 
 /// Whether `transfer` looks at this cell field of the old mesh: not at the marks, nor at numbers of parents that are
 /// replaced. Local.
 bool is_inherited(const mesh::CellField& field, const Options& options);
 
 /// The node fields alone. Local.
-std::vector<mesh::NodeField> transfer_to_nodes(const NumberedMesh& old, const Certificate& certificate);
+std::vector<mesh::NodeField> transfer_to_nodes(const NumberedMesh& old, const Certificate& certificate,
+                                               const ReleaseField& release = keep_field);
 
 /// The centroid of a child while new nodes still lie on their edges. Local.
 geometry::Vec3 straight_centroid(const NumberedMesh& old, const mesh::CellNodes& child);

@@ -19,6 +19,7 @@
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/base/listed.hpp"
+#include "pamr/base/memory.hpp"
 #include "pamr/io/elements/cut_elements.hpp"
 #include "pamr/io/text.hpp"
 #include "pamr/mesh/inner_patches.hpp"
@@ -459,7 +460,7 @@ ElementMesh mesh_of_elements(const par::Comm& comm, ElementParts parts, const st
 
   boundary.node = std::move(numbered.triangle);
   auto block = block_of(comm, parts, numbered);
-  parts.tetrahedron = {};
+  free_array(parts.tetrahedron);
   const auto* const of_cut = result.notes.empty() ? "" : " (a prism or pyramid that was cut may be flat or twisted)";
   with_source(source, [&] {
     par::agree(comm, [&] {

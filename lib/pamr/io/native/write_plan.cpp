@@ -15,6 +15,7 @@
 #include "pamr/base/contract.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
+#include "pamr/base/memory.hpp"
 #include "pamr/base/sorted_order.hpp"
 #include "pamr/io/native/layout.hpp"
 #include "pamr/io/native/level0_table.hpp"
@@ -86,7 +87,7 @@ WritePlan::WritePlan(const par::Comm& comm, const mesh::DistMesh& mesh, int form
   number.reserve(mesh.node_global.size());
   for (const auto id : mesh.node_global) number.push_back(static_cast<std::uint64_t>(id - mesh.info.first_id));
   node_order_ = sorted_order(number);
-  number = {};
+  free_array(number);
   node_id_.reserve(node_order_.size());
   for (const auto node : node_order_) node_id_.push_back(mesh.node_global[node]);
   add_mesh(format);
