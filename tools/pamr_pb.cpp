@@ -2,21 +2,26 @@
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "cli/output_file.hpp"
 #include "cli/run_tool.hpp"
 #include "pamr/assemble/assemble.hpp"
 #include "pamr/base/counted.hpp"
 #include "pamr/base/timer.hpp"
 #include "pamr/io/native/native_file.hpp"
+#include "pamr/mesh/lineage.hpp"
 #include "pamr/validate/validate.hpp"
+#include "pb/next_level.hpp"
 #include "solvers/poisson_boltzmann/fem/initial_guess.hpp"
 #include "solvers/poisson_boltzmann/fem/preconditioner.hpp"
 #include "solvers/poisson_boltzmann/fem/spread_cells.hpp"
 #include "solvers/poisson_boltzmann/problem/case_names.hpp"
 #include "solvers/poisson_boltzmann/report/electrode_file.hpp"
+#include "solvers/poisson_boltzmann/report/level_table.hpp"
 #include "solvers/poisson_boltzmann/report/pb_report.hpp"
 
 namespace {
@@ -25,9 +30,11 @@ using namespace pamr;
 namespace pb = poisson_boltzmann;
 
 struct Options {
-  std::string case_file, mesh, output, start, surface, petsc, balance = "scotch";
+  std::string case_file, mesh, output, start, surface, history, petsc, balance = "scotch";
   int format = io::newest_format;
   std::int64_t max_cells = 100'000'000;
+  int levels = 0;
+  double tolerance = 0;
   bool force = false;
 };
 
@@ -39,14 +46,24 @@ void declare(cli::CommandLine& line, Options& o) {
       .type_name("FIELD");
   line.option("--surface", o.surface, "write the boundary with potential, charge density and stress, for ParaView")
       .type_name("FILE.vtu");
+  line.option("--levels", o.levels,
+              "refine where the error estimate says, and solve again, N times at most; OUT has the last level")
+      .type_name("N")
+      .range(0, mesh::max_level);
+  line.option("--tolerance", o.tolerance,
+              "with --levels: end where the error bar of every goal is at most this part of its value")
+      .positive();
+  line.option("--history", o.history, "values, error bars and cells of each level").type_name("FILE.csv");
   line.option("--petsc", o.petsc, "options for PETSc, after those of the case: \"-pc_type hypre -ksp_monitor\"")
       .type_name("OPTIONS");
   line.option("--balance", o.balance, "how the cells, and with them the unknowns, are spread over the ranks")
       .one_of({"auto", "scotch", "curve", "blocks", "none"})
       .show_default();
   line.option("--format", o.format, cli::format_help).range(io::oldest_format, io::newest_format).show_default();
-  line.option("--max-cells", o.max_cells,
-              "cells of the largest mesh that you would make; no charge is given where its layer would take more")
+  line.option(
+          "--max-cells", o.max_cells,
+          "cells of the largest mesh that you would make: with --levels that is made, and no charge is given where its "
+          "layer would take more")
       .positive();
   line.flag("--force", o.force, cli::force_help);
 }
@@ -61,7 +78,6 @@ nlohmann::json report_of(const balance::Report& report) {
 
 /// Prints what is solved and the memory that it will take; returns the latter for the report. Collective.
 nlohmann::json print_case(const cli::Session& session, const pb::Problem& problem) {
-  for (const auto& line : pb::describe(problem.input)) session.summary(line);
   const auto& comm = session.comm();
   const auto& mesh = *problem.domain.mesh;
   const auto memory = pb::memory_needed(mesh, problem.input);
@@ -87,28 +103,40 @@ nlohmann::json print_case(const cli::Session& session, const pb::Problem& proble
   return {{"matrix_entries", n_entries}, {"bytes_a_rank", bytes}};
 }
 
-cli::ExitCode run(cli::Session& session, const Options& o) {
-  const auto text = session.read_case(o.case_file);
-  session.check_input(o.mesh);
-  session.check_native_output(o.output, o.force);
-  if (!o.surface.empty()) session.check_output(o.surface, o.force);
-  const auto& comm = session.comm();
+/// What all levels have in common.
+struct Run {
+  cli::Session& session;
+  const Options& options;
+  const pb::PetscRuntime& petsc;
+  pb::Case input;
   StepTimer timer;
-  const auto stated = pb::read_case(text, o.case_file);
-  const pb::PetscRuntime petsc(comm, stated.solver.petsc + " " + o.petsc);
-  session.step("reading " + o.mesh);
-  auto mesh = assemble::assemble(
-      comm, io::read_native(comm, o.mesh,
-                            {.build_surfaces = !stated.estimator.goals.empty() || stated.solver.order == 2,
-                             .remark = session.remarks()}));
-  validate::require_valid(comm, mesh, o.mesh);
-  const auto input = pb::resolve_names(stated, mesh.info.patches, o.case_file);
-  timer.lap("read");
-  const auto method = balance::method_named(o.balance);
-  if (const auto line = balance::what_stands_in(method); !line.empty()) session.note(line);
+  std::vector<pb::Level> levels;  ///< that have been solved
+};
+
+/// One level: the mesh with the fields of its solution, what is said of it, and the report without times; without a
+/// mesh where nothing came of it.
+struct Solved {
+  std::optional<mesh::DistMesh> mesh;
+  nlohmann::json report;
+  std::vector<std::string> warnings, results;
+  int newton_iterations = 0, linear_iterations = 0;
+};
+
+std::string kept(const Run& run) {
+  return run.levels.empty() ? "; nothing is written"
+                            : fmt::format("; {} has level {}", run.options.output, run.levels.size() - 1);
+}
+
+/// Solves on one mesh, `start` naming the field to start from, and adds the level. Collective.
+Solved solve_level(Run& run, mesh::DistMesh given, const std::string& start_field) {
+  const auto& session = run.session;
+  const auto& o = run.options;
+  const auto& input = run.input;
+  const auto& comm = session.comm();
+  auto& timer = run.timer;
   session.step("spreading the cells over the ranks");
-  auto spread = pb::spread_cells(comm, std::move(mesh), method);
-  mesh = std::move(spread.mesh);
+  auto spread = pb::spread_cells(comm, std::move(given), balance::method_named(o.balance));
+  auto& mesh = spread.mesh;
   timer.lap("balance");
 
   session.step(fmt::format("assembling {} cells", mesh.info.n_global_cells));
@@ -117,9 +145,11 @@ cli::ExitCode run(cli::Session& session, const Options& o) {
   const pb::Problem problem(domain, input, conditions);
   pb::require_goals(comm, problem);
   std::vector<double> start;
-  if (!o.start.empty()) start = pb::initial_guess(comm, mesh, conditions, o.start, o.mesh);
+  if (!start_field.empty()) start = pb::initial_guess(comm, mesh, conditions, start_field, o.mesh);
   if (!start.empty() && domain.quadratic) start = pb::on_all_nodes(domain, start);
   nlohmann::json needs;
+  if (run.levels.empty())
+    for (const auto& line : pb::describe(input)) session.summary(line);
   pb::System system(comm, problem, [&] { needs = print_case(session, problem); });
   timer.lap("assemble");
   session.summary(pb::table_head());
@@ -129,38 +159,114 @@ cli::ExitCode run(cli::Session& session, const Options& o) {
     session.step(fmt::format("solving: Newton step {}", ++n));
   });
   timer.lap("solve");
-  for (const auto& name : petsc.unused_options()) session.warn("no part of PETSc asked for the option " + name);
+  if (run.levels.empty())
+    for (const auto& name : run.petsc.unused_options()) session.warn("no part of PETSc asked for the option " + name);
   if (!solution.converged) {
-    session.warn(pb::describe_failure(solution));
-    session.write_report(pb::failure_report(solution));
-    return cli::ExitCode::failed;
+    session.warn(pb::describe_failure(solution) + kept(run));
+    return {std::nullopt, pb::failure_report(solution), {}, {}};
   }
 
   session.step("estimating errors and forces");
   const auto analysis = pb::analyze(comm, problem, system, solution, static_cast<double>(o.max_cells));
   timer.lap("analyze");
   if (!analysis.is_finite()) {
-    session.warn("a force, a charge or an estimate is beyond floating point; nothing is written");
-    session.write_report({{"converged", true}, {"reason", "a result is no number"}});
-    return cli::ExitCode::failed;
+    session.warn("a force, a charge or an estimate is beyond floating point" + kept(run));
+    return {std::nullopt, {{"converged", true}, {"reason", "a result is no number"}}, {}, {}};
   }
   if (!o.surface.empty()) pb::write_electrodes(comm, o.surface, problem, solution, analysis);
-  auto report = pb::report_of(domain, input, solution, analysis);
+  Solved solved{std::nullopt,
+                pb::report_of(domain, input, solution, analysis),
+                pb::describe_layers(input, analysis),
+                pb::describe_results(input, analysis),
+                solution.newton_iterations,
+                solution.linear_iterations};
+  run.levels.push_back(pb::level_of(domain, input, analysis));
+  solved.report["needs"] = needs;
+  solved.report["balance"] = report_of(spread.report);
+  solved.report["preconditioner"] = pb::name_of(pb::choose_preconditioner(input.solver, mesh.info.n_global_nodes));
   pb::set_fields(mesh, input, solution, analysis);
-  session.step("writing " + o.output);
-  io::write_native(comm, o.output, mesh, {.format = o.format, .remark = session.remarks()});
-  timer.lap("write");
-  report["needs"] = needs;
-  report["balance"] = report_of(spread.report);
-  report["preconditioner"] = pb::name_of(pb::choose_preconditioner(input.solver, mesh.info.n_global_nodes));
-  report["seconds"] = pb::seconds_of(timer.steps(), &StepTime::wall);
-  report["cpu_seconds"] = pb::seconds_of(timer.steps(), &StepTime::cpu);
-  report["peak_rss_bytes"] = comm.max(static_cast<std::int64_t>(peak_resident_bytes()));
-  for (const auto& line : pb::describe_layers(input, analysis)) session.warn(line);
-  for (const auto& line : pb::describe_results(input, analysis)) session.summary(line);
+  solved.mesh = std::move(mesh);
+  return solved;
+}
+
+/// Writes a level over the one before. Collective.
+void write_level(Run& run, const mesh::DistMesh& mesh) {
+  const auto& o = run.options;
+  const auto& comm = run.session.comm();
+  run.session.step("writing " + o.output);
+  io::write_native(comm, o.output, mesh, {.format = o.format, .remark = run.session.remarks()});
+  if (!o.history.empty())
+    par::agree(comm, [&] {
+      if (comm.is_first()) cli::write_whole(o.history, pb::levels_csv(run.levels));
+    });
+  run.timer.lap("write");
+}
+
+/// Solves, marks and refines until there are levels enough. Yields the last one. Collective.
+Solved solve_levels(Run& run, mesh::DistMesh mesh) {
+  const auto& o = run.options;
+  auto solved = solve_level(run, std::move(mesh), o.start);
+  for (int level = 0; solved.mesh; ++level) {
+    write_level(run, *solved.mesh);
+    if (level == o.levels) break;
+    if (o.tolerance > 0 && pb::meets(run.levels.back(), o.tolerance)) break;
+    auto finer = tools::next_level(run.session, std::move(*solved.mesh), level, o.max_cells);
+    run.timer.lap("refine");
+    if (!finer) break;
+    solved = solve_level(run, std::move(*finer), "potential");
+  }
+  return solved;
+}
+
+/// The mesh, and the case with the patches that its names stand for. Collective.
+std::pair<mesh::DistMesh, pb::Case> read_inputs(cli::Session& session, const Options& o, const pb::Case& stated) {
+  const auto& comm = session.comm();
+  session.step("reading " + o.mesh);
+  const bool needs_surfaces = !stated.estimator.goals.empty() || stated.solver.order == 2 || o.levels > 0;
+  auto mesh = assemble::assemble(
+      comm, io::read_native(comm, o.mesh, {.build_surfaces = needs_surfaces, .remark = session.remarks()}));
+  validate::require_valid(comm, mesh, o.mesh);
+  auto input = pb::resolve_names(stated, mesh.info.patches, o.case_file);
+  return {std::move(mesh), std::move(input)};
+}
+
+cli::ExitCode run(cli::Session& session, const Options& o) {
+  const auto text = session.read_case(o.case_file);
+  session.check_input(o.mesh);
+  session.check_native_output(o.output, o.force);
+  for (const auto& file : {o.surface, o.history})
+    if (!file.empty()) session.check_output(file, o.force);
+  StepTimer timer;
+  const auto stated = pb::read_case(text, o.case_file);
+  if (o.tolerance > 0 && (o.levels == 0 || stated.estimator.goals.empty()))
+    throw Error(fmt::format("--tolerance: expected {}, found none",
+                            o.levels == 0 ? "--levels" : "a goal in [estimator] of the case, which has an error bar"));
+  const pb::PetscRuntime petsc(session.comm(), stated.solver.petsc + " " + o.petsc);
+  auto [mesh, input] = read_inputs(session, o, stated);
+  timer.lap("read");
+  if (const auto line = balance::what_stands_in(balance::method_named(o.balance)); !line.empty()) session.note(line);
+
+  Run run{session, o, petsc, std::move(input), std::move(timer), {}};
+  auto solved = solve_levels(run, std::move(mesh));
+  auto& report = solved.report;
+  if (o.levels > 0) report["levels"] = pb::levels_json(run.levels);
+  if (!solved.mesh) {
+    session.write_report(report);
+    return cli::ExitCode::failed;
+  }
+  report["seconds"] = pb::seconds_of(run.timer.steps(), &StepTime::wall);
+  report["cpu_seconds"] = pb::seconds_of(run.timer.steps(), &StepTime::cpu);
+  report["peak_rss_bytes"] = session.comm().max(static_cast<std::int64_t>(peak_resident_bytes()));
+  for (const auto& line : solved.warnings) session.warn(line);
+  for (const auto& line : solved.results) session.summary(line);
+  if (o.levels > 0)
+    for (const auto& line : pb::describe_levels(run.levels)) session.summary(line);
+  if (o.tolerance > 0 && !pb::meets(run.levels.back(), o.tolerance))
+    session.warn(fmt::format("the error bar of a goal is missing or over {:g} of its value after {}", o.tolerance,
+                             counted(std::ssize(run.levels), "level", "levels")));
   session.write_report(report);
-  session.summary(fmt::format("{} cells, {} Newton steps, {} CG iterations, {:.2f} s -> {}", mesh.info.n_global_cells,
-                              solution.newton_iterations, solution.linear_iterations,
+  session.summary(fmt::format("{} cells, {} Newton steps, {} CG iterations, {:.2f} s -> {}", run.levels.back().cells,
+                              solved.newton_iterations, solved.linear_iterations,
                               report["seconds"]["total"].get<double>(), o.output));
   return cli::ExitCode::done;
 }

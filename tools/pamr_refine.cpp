@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "adapt/flat_patches.hpp"
 #include "cli/run_tool.hpp"
 #include "pamr/adapt/adapt.hpp"
 #include "pamr/adapt/depth.hpp"
@@ -31,7 +32,6 @@
 #include "pamr/mesh/level0_map.hpp"
 #include "pamr/mesh/periodic_patches.hpp"
 #include "pamr/mesh/require_field.hpp"
-#include "pamr/mesh/undescribed_patches.hpp"
 #include "pamr/refine/cell_shape.hpp"
 #include "pamr/refine/diagonal.hpp"
 
@@ -244,13 +244,6 @@ cli::ExitCode report_forecast(cli::Session& session, const mesh::DistMesh& input
   return cli::ExitCode::done;
 }
 
-/// Gives flat patches that meet others their planes, and says which other patches will be bent. Collective.
-void keep_flat_patches(cli::Session& session, mesh::DistMesh& mesh) {
-  const auto undescribed = mesh::find_undescribed_patches(session.comm(), mesh);
-  mesh.info = mesh::with_planes(std::move(mesh.info), undescribed);
-  for (const auto& warning : mesh::warnings_of(mesh.info, undescribed)) session.warn(warning);
-}
-
 std::string below_text(const Options& options, std::int64_t n_below) {
   if (options.quality_control != "removable" || n_below == 0) return {};
   return fmt::format(", {} cells under {}", n_below, options.shape_floor);
@@ -322,7 +315,7 @@ cli::ExitCode work(cli::Session& session, const Options& options) {
                             .integrals = options.integrals};
   session.step(fmt::format("refining {} cells", mesh.info.n_global_cells));
   if (options.dry_run) return report_forecast(session, mesh, flags, how, options.floors);
-  if (!options.no_project) keep_flat_patches(session, mesh);
+  if (!options.no_project) tools::keep_flat_patches(session, mesh);
 
   const auto walls_before = options.no_project ? check::WallShapes() : check::wall_shapes(comm, mesh, 0);
   auto result = with_file_name(options.input, [&] {

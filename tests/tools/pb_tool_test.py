@@ -2,6 +2,7 @@
 """pamr-pb from the command line: charges against tables, forces, the loop with marking and refining, and bad input."""
 import os
 import pathlib
+import shutil
 import subprocess
 import sys
 
@@ -98,19 +99,79 @@ def test_a_sphere_obeys_the_linear_solution():
     assert abs(psi - 2 / r * np.exp(1 - r)).max() < 4e-3
 
 
+def octant(name="level0.hdf", head=""):
+    """A coarse octant about a sphere at 3 with its charge as the goal: 6.937467235 a unit of area."""
+    patches = shell_mesh(name, 1, layers=8, edges=5, growth=8)
+    return sphere_case("case.toml", 1, 3, patches, head + '[estimator]\ngoal = "charge"\ngoal_patch = "sphere"\n')
+
+
 def test_the_loop_brings_the_charge_of_an_octant_nearer():
-    patches = shell_mesh("level0.hdf", 1, layers=8, edges=5, growth=8)
-    case = sphere_case("case.toml", 1, 3, patches, '[estimator]\ngoal = "charge"\ngoal_patch = "sphere"\n')
-    errors, start = [], []
-    for level in range(3):
+    case = octant()
+    errors, by_hand, start = [], [], []
+    for level, share in enumerate((0.6, 0.5, None)):
         report = run("pamr-pb", case, "--mesh", f"level{level}.hdf", "-o", f"solved{level}.hdf", "--json", "-",
                      *start).json
         errors.append(abs(report["charge_densities"]["sphere"] / 6.937467235 - 1))
+        by_hand.append((report["cells"], report["best"]["sphere"]["charge"]))
         assert report["charges"]["sphere"] == report["charge_densities"]["sphere"] * report["areas"]["sphere"] * 8
-        run("pamr-mark", f"solved{level}.hdf", "-o", "marked.hdf", "--force", "--bulk-of", "goal_error:0.5", "--quiet")
+        assert "levels" not in report
+        if share is None:
+            break
+        run("pamr-mark", f"solved{level}.hdf", "-o", "marked.hdf", "--force", "--bulk-of", f"goal_error:{share}", "--quiet")
         run("pamr-refine", "marked.hdf", "-o", f"level{level + 1}.hdf", "--quiet")
         start = ["--start", "potential"]
     assert errors[1] < 0.6 * errors[0] and errors[2] < 0.6 * errors[1], errors
+
+    # One command gives the same levels.
+    result = run("pamr-pb", case, "--mesh", "level0.hdf", "-o", "out.hdf", "--levels", "2", "--history", "levels.csv",
+                 "--json", "-")
+    levels = result.json["levels"]
+    assert [level["cells"] for level in levels] == [cells for cells, _ in by_hand], (levels, by_hand)
+    rows = [line.split(",") for line in pathlib.Path("levels.csv").read_text().splitlines()]
+    assert rows[0] == ["level", "cells", "unknowns", "of", "quantity", "value", "error"]
+    for number, (level, (cells, best)) in enumerate(zip(levels, by_hand)):
+        charge = [q for q in level["quantities"] if q["quantity"] == "charge"]
+        assert len(charge) == 1 and charge[0]["of"] == "sphere"
+        assert abs(charge[0]["value"] / best["value"] - 1) < 1e-7, (charge, best)
+        assert (charge[0]["error"] is None) == (best["error"] is None)
+        row = [row for row in rows if row[0] == str(number) and row[4] == "charge"]
+        assert len(row) == 1 and row[0][1] == str(cells) and float(row[0][5]) == charge[0]["value"], row
+    assert result.err.count("level  2") == 1 and "sphere charge" in result.err, result.err
+    with h5py.File("out.hdf") as file:
+        assert file["VTKHDF/Types"].shape[0] == by_hand[-1][0] and "parent" not in file["VTKHDF/CellData"]
+
+
+def test_levels_end_at_a_tolerance_and_at_a_number_of_cells():
+    case = octant()
+    report = run("pamr-pb", case, "--mesh", "level0.hdf", "-o", "out.hdf", "--levels", "6", "--tolerance", "0.1", "--json", "-").json
+    charge = [[q for q in level["quantities"] if q["quantity"] == "charge"][0] for level in report["levels"]]
+    met = [q["error"] is not None and q["error"] <= 0.1 * q["value"] for q in charge]
+    assert met[-1] and not any(met[:-1]) and len(met) < 7, charge
+    few = report["levels"][-1]["cells"] - 1
+    result = run("pamr-pb", case, "--mesh", "level0.hdf", "-o", "out.hdf", "--levels", "6", "--tolerance", "1e-6", "--max-cells", str(few),
+                 "--force", "--json", "-")
+    assert result.json["levels"][-1]["cells"] <= few, (few, result.json["levels"])
+    assert "over 1e-06 of its value" in result.err and "is the last" in result.err, result.err
+    refuses("pamr-pb", case, "--mesh", "level0.hdf", "-o", "no.hdf", "--tolerance", "0.1", says=["--tolerance", "--levels"], creates="no.hdf")
+    without = pathlib.Path("without.toml")
+    without.write_text(pathlib.Path(case).read_text().split("[estimator]")[0] + pathlib.Path(case).read_text().split('"sphere"\n', 1)[1])
+    refuses("pamr-pb", "without.toml", "--mesh", "level0.hdf", "-o", "no.hdf", "--levels", "2", "--tolerance", "0.1",
+            says=["--tolerance", "goal"], creates="no.hdf")
+    refuses("pamr-pb", case, "--mesh", "level0.hdf", "-o", "no.hdf", "--levels", "2", "--history", "level0.hdf", says=["level0.hdf"],
+            creates="no.hdf")
+
+
+def test_a_level_that_fails_leaves_the_one_before():
+    case = octant(head='[solver]\npreconditioner = "jacobi"\n')
+    first = run("pamr-pb", case, "--mesh", "level0.hdf", "-o", "first.hdf", "--json", "-").json
+    most = max(step["linear_iterations"] for step in first["convergence"])
+    result = run("pamr-pb", case, "--mesh", "level0.hdf", "-o", "out.hdf", "--levels", "3", "--petsc", f"-ksp_max_it {most}", "--json", "-",
+                 code=1)
+    report = result.json
+    kept = len(report["levels"]) - 1
+    assert not report["converged"] and 0 <= kept < 3 and f"out.hdf has level {kept}" in result.err, result.err
+    with h5py.File("out.hdf") as file:
+        assert file["VTKHDF/Types"].shape[0] == report["levels"][-1]["cells"] and "potential" in file["VTKHDF/PointData"]
 
 
 def test_the_estimate_is_near_the_true_error_on_a_sphere():
@@ -381,6 +442,62 @@ def test_a_form_that_means_nothing_says_so():
     head = '[estimator]\ngoal = "force-x"\ngoal_patch = "zmin"\n'
     refuses("pamr-pb", cube_case(head=head, zmin=1), "--mesh", "a.hdf", "-o", "out.hdf", says=["zero by symmetry"],
             creates="out.hdf")
+
+
+def pressure_between_plates(gap, potential=None, charge=None):
+    """Osmotic pressure cosh psi_m - 1 between two equal plates in a 1:1 salt: psi'' = sinh psi from the middle outwards by Runge-Kutta,
+    the potential in the middle by bisection."""
+    def at_wall(middle, n=400):
+        h, y = gap / 2 / n, np.array([middle, 0.0])
+        slope = lambda y: np.array([y[1], np.sinh(y[0])])
+        for _ in range(n):
+            a = slope(y)
+            b = slope(y + h / 2 * a)
+            c = slope(y + h / 2 * b)
+            y = y + h / 6 * (a + 2 * b + 2 * c + slope(y + h * c))
+        return y
+    low, high = 0.0, 5.0 if potential is None else potential
+    for _ in range(60):
+        middle = (low + high) / 2
+        wall = at_wall(middle)
+        low, high = (low, middle) if (wall[0] > potential if charge is None else wall[1] > charge) else (middle, high)
+    return np.cosh(middle) - 1
+
+
+@of_one_process
+def test_forces_are_minus_the_derivatives_of_the_free_energies():
+    kuhn_cube("cube.hdf", 4)
+    step = 0.02
+    for order in (1, 2):
+        for condition_of, key, exact in ((("potential", 1.5), "fixed_potential", pressure_between_plates(1, potential=1.5)),
+                                         (("charge", 1.2), "fixed_charge", pressure_between_plates(1, charge=1.2))):
+            energy = []
+            for gap in (1 - step, 1 + step):
+                shutil.copy("cube.hdf", "gap.hdf")
+                with h5py.File("gap.hdf", "r+") as file:
+                    file["VTKHDF/Points"][:, 2] = file["VTKHDF/Points"][:, 2] * gap
+                    del file["PAMR/checksums"].attrs["VTKHDF/Points"]
+                text = f"[solver]\norder = {order}\n" + "".join(
+                    condition(p, *condition_of) if p[0] == "z" else condition(p, "symmetry") for p in SIDES)
+                pathlib.Path("gap.toml").write_text(text)
+                energy.append(solve("gap.toml", "gap.hdf").json["free_energy"][key])
+            force = -(energy[1] - energy[0]) / (2 * step)
+            assert abs(force / exact - 1) < (0.05 if order == 1 else 1e-3), (order, key, force, exact)
+
+
+@of_one_process
+def test_the_free_energy_of_a_sphere_has_what_lies_beyond_the_box():
+    """Linear: half of charge times potential, all of space, also where the box ends half a Debye length from the sphere."""
+    points, cells, neighbors, patches = shell.shell(1, 1.5, 10, 6, 2, None)
+    toml = "".join(f'[[surface]]\nname = "{surface}"\nkind = "sphere"\ncenter = [0, 0, 0]\nradius = {float(r)!r}\n'
+                   for surface, r in (("sphere", 1), ("outer", 1.5)))
+    shell.write("shell.hdf", points, cells, neighbors, patches, ["sphere", "outer", "", "", ""], toml)
+    for order, off in ((1, 0.03), (2, 1e-3)):
+        case = sphere_case("case.toml", 1, 2, patches, f"[equation]\nlinear = true\n[solver]\norder = {order}\n")
+        report = solve(case, "shell.hdf").json
+        area = report["areas"]["sphere"]
+        for key, sign in (("fixed_potential", -1), ("fixed_charge", 1)):
+            assert abs(report["free_energy"][key] / area - sign * 4) < 4 * off, (order, key, report["free_energy"], area)
 
 
 def test_bad_input_is_refused():

@@ -181,9 +181,10 @@ Analysis analyze(const par::Comm& comm, const Problem& problem, System& system, 
   auto functionals = find_functionals(comm, state, system, result.electrodes, result.layers);
   result.patches = std::move(functionals.patches);
   result.no_midplane = std::move(functionals.no_midplane);
-  result.energy = functionals.energy;
-  for (const auto& patch : result.patches)
-    if (patch.layer.is_lost) result.energy.reset();
+  const bool is_lost = std::any_of(result.patches.begin(), result.patches.end(),
+                                   [](const PatchResult& patch) { return patch.layer.is_lost; });
+  if (!is_lost) result.energy = functionals.energy;
+  if (!is_lost) result.free_energy = free_energy_of(comm, state, functionals.energy);
   if (problem.input.manufactured) compare_with_manufactured(comm, state, result);
   add_goals(comm, state, system, std::move(functionals.goals), result);
   return result;
@@ -208,6 +209,7 @@ bool Analysis::is_finite() const {
     take(result.error_bound);
   }
   if (energy) take(energy->total + energy->excess);
+  if (free_energy) take(free_energy->fixed_charge + free_energy->fixed_potential);
   return good;
 }
 

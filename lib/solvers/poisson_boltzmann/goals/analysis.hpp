@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "solvers/poisson_boltzmann/goals/error_estimate.hpp"
+#include "solvers/poisson_boltzmann/goals/free_energy.hpp"
 #include "solvers/poisson_boltzmann/goals/functionals.hpp"
 
 namespace pamr::poisson_boltzmann {
@@ -34,6 +35,7 @@ struct Analysis {
   /// n_cells: share of each cell in the error of the goals, empty without one. Those of several goals count alike: each
   /// is scaled to the sum of the first.
   std::vector<double> goal;
+  std::optional<FreeEnergy> free_energy;                   ///< likewise, and in cases without a plate
   std::optional<Energy> energy;                            ///< nothing where a layer is not resolved at all
   std::optional<double> manufactured_l2, manufactured_h1;  ///< errors against the manufactured solution
 

@@ -114,6 +114,9 @@ json report_of(const Domain& domain, const Case& input, const Solution& solution
   }
   report["energy"] = analysis.energy ? json(analysis.energy->total) : json(nullptr);
   report["excess_energy"] = analysis.energy ? json(analysis.energy->excess) : json(nullptr);
+  report["free_energy"] = nullptr;
+  if (const auto& free = analysis.free_energy)
+    report["free_energy"] = {{"fixed_potential", free->fixed_potential}, {"fixed_charge", free->fixed_charge}};
   report["units"] = {{"force_newton", units.force}, {"potential_volt", units.potential}};
   report["units"]["length_meter"] = units.length ? json(*units.length) : json(nullptr);
   for (const auto& step : solution.steps)
@@ -142,9 +145,6 @@ json report_of(const Domain& domain, const Case& input, const Solution& solution
   return report;
 }
 
-namespace {
-
-/// "0.0410 +- 0.0002", "10.8027312 +- 1.7e-06": as many digits as the error bar is worth.
 std::string with_error(double value, const std::optional<double>& error) {
   if (!error) return fmt::format("{:.6g}", value);
   if (!(*error > 0) || value == 0) return fmt::format("{:.6g} +- {:.2g}", value, *error);
@@ -153,6 +153,8 @@ std::string with_error(double value, const std::optional<double>& error) {
   if (digits <= 6 && *error < 1e6) return fmt::format("{:.{}f} +- {:.{}f}", value, digits, *error, digits);
   return fmt::format("{:.{}g} +- {:.2g}", value, std::clamp(place(value) - place(*error) + 2, 1, 17), *error);
 }
+
+namespace {
 
 /// A warning if a charge without a correction is too large because the cells are too high for the layer; else empty.
 std::string beside_charge(const Case& input, const PatchResult& patch, const BestValue& best) {
@@ -213,8 +215,12 @@ std::vector<std::string> describe_results(const Case& input, const Analysis& ana
   if (!analysis.no_midplane.empty()) lines.push_back("mid-plane: " + analysis.no_midplane);
   const auto& estimate = analysis.estimate;
   if (analysis.energy)
-    lines.push_back(fmt::format("energy {:.10g}, less that of the plate profile {:.10g}", analysis.energy->total,
-                                analysis.energy->excess));
+    lines.push_back(fmt::format("energy {:.10g}", analysis.energy->total) +
+                    (input.plate ? fmt::format(", less that of the plate profile {:.10g}", analysis.energy->excess)
+                                 : std::string()));
+  if (const auto& free = analysis.free_energy)
+    lines.push_back(fmt::format("free energy {:.10g} at fixed potential, {:.10g} at fixed charge",
+                                free->fixed_potential, free->fixed_charge));
   if (estimate.norm_squared > 0)
     lines.push_back(fmt::format("estimated error of the gradient {:.4e}, relative {:.4e}, sum e_K^2 / |E|^2 = {:.4e}",
                                 std::sqrt(estimate.total_squared),
@@ -259,7 +265,7 @@ std::vector<std::string> describe_layers(const Case& input, const Analysis& anal
 std::string describe_failure(const Solution& s) {
   return fmt::format(
       "not converged after {} Newton steps ({}): residual {:.3e} of {:.3e} at the start; largest, {:.3e}, at node {} "
-      "({:g}, {:g}, {:g}); nothing is written",
+      "({:g}, {:g}, {:g})",
       s.newton_iterations, s.reason, s.residual, s.first_residual, s.worst_residual, s.worst_node, s.worst_point.x,
       s.worst_point.y, s.worst_point.z);
 }

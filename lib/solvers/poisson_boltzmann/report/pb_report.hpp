@@ -2,6 +2,7 @@
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -25,6 +26,9 @@ std::vector<std::string> describe_results(const Case& input, const Analysis& ana
 std::vector<std::string> describe_layers(const Case& input, const Analysis& analysis);
 /// How far a solve came that has not converged, in one line. Local.
 std::string describe_failure(const Solution& solution);
+
+/// "0.0410 +- 0.0002", "10.8027312 +- 1.7e-06": as many digits as the error bar is worth, six without one.
+std::string with_error(double value, const std::optional<double>& error);
 
 /// A line of the convergence table and its head.
 std::string table_head();

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solvers/poisson_boltzmann/goals/free_energy.hpp"
+
+#include <array>
+
+#include "pamr/base/index.hpp"
+
+namespace pamr::poisson_boltzmann {
+
+namespace {
+
+/// Adds half of the integral of alpha u^2 over the faces of the far field: the energy beyond them.
+void add_far_field(const State& state, par::ExactSum& sum) {
+  const auto& problem = state.problem;
+  const auto& domain = problem.domain;
+  if (!domain.quadratic) {
+    const auto& robin = problem.conditions.robin;
+    for (std::size_t i = 0; i < robin.size(); ++i)
+      if (robin[i] != 0 && domain.nodes.is_owned(i)) sum.add(0.5 * robin[i] * state.u[i] * state.u[i]);
+    return;
+  }
+  for (std::size_t f = 0; f < domain.faces.size(); ++f) {
+    const auto& patch = domain.mesh->info.patches[at(domain.faces[f].patch)].name;
+    if (problem.input.find_boundary(patch)->condition != Condition::far_field) continue;
+    const auto node = domain.quadratic->face_points(domain, f);
+    const auto& number = domain.quadratic->face_to_node[f];
+    double of_face = 0;
+    for (const auto& point : face_points()) {
+      const auto placed = place(node, point);
+      double u = 0;
+      for (std::size_t k = 0; k < 6; ++k) u += point.value[k] * state.u[at(number[k])];
+      of_face +=
+          0.5 * placed.area * far_field_coefficient(problem.input.spheres, placed.position, placed.normal) * u * u;
+    }
+    sum.add(of_face);
+  }
+}
+
+}  // namespace
+
+std::optional<FreeEnergy> free_energy_of(const par::Comm& comm, const State& state, const Energy& energy) {
+  const auto& problem = state.problem;
+  if (problem.input.plate || problem.input.manufactured) return std::nullopt;
+  std::array<par::ExactSum, 2> sums;  // beyond the far field; charges times potentials
+  add_far_field(state, sums[0]);
+  const auto& conditions = problem.conditions;
+  for (std::size_t i = 0; i < state.u.size(); ++i) {
+    if (!problem.domain.nodes.is_owned(i)) continue;
+    const double held = conditions.fixed[i] != 0 ? state.reaction[i] : 0;
+    sums[1].add((conditions.load[i] + held) * state.u[i]);
+  }
+  const auto totals = par::reproducible_sums(comm, sums);
+  const double fixed_potential = -(energy.total + totals[0]);
+  return FreeEnergy{fixed_potential, fixed_potential + totals[1]};
+}
+
+}  // namespace pamr::poisson_boltzmann

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+
+#include "solvers/poisson_boltzmann/goals/midplane_force.hpp"
+
+namespace pamr::poisson_boltzmann {
+
+/// Free energies of the meshed part, dimensionless as `Energy`; with what lies beyond walls of the far field, as far as
+/// the condition there knows it. The force on a body is minus the derivative by its place: of the one while potentials
+/// are held, of the other while charges are. Source: K. A. Sharp, B. Honig, J. Phys. Chem. 94 (1990).
+struct FreeEnergy {
+  double fixed_potential = 0;  ///< minus the energy
+  double fixed_charge = 0;     ///< that and the integral of charge times potential over all walls
+};
+
+/// Nothing for cases with a plate, whose own energy grows with the mesh, and for the manufactured solution. Collective:
+/// an exact sum.
+std::optional<FreeEnergy> free_energy_of(const par::Comm& comm, const State& state, const Energy& energy);
+
+}  // namespace pamr::poisson_boltzmann
