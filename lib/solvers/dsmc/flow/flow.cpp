@@ -71,9 +71,9 @@ Vec3 point_in(const TetPoints& corner, Random& random) {
 Flow::Flow(const par::Comm& comm, const mesh::DistMesh& mesh, Setup setup)
     : comm_(&comm),
       setup_(std::move(setup)),
-      domain_(make_gas_domain(mesh, setup_.unit, setup_.dt, setup_.fnum)),
+      domain_(make_gas_domain(mesh, setup_.unit, setup_.dt, setup_.fnum, setup_.inner_wall)),
       collider_(setup_.gas, setup_.collisions, setup_.seed) {
-  PAMR_EXPECTS(setup_.patch.size() == mesh.info.patches.size());
+  PAMR_EXPECTS(setup_.patch.size() == setup_.patches_on(mesh).size());
   if (!(setup_.dt > 0) || !(setup_.fnum > 0))
     throw Error(fmt::format("expected a positive time step and weight, found {} s and {} molecules a particle",
                             setup_.dt, setup_.fnum));

@@ -6,11 +6,13 @@
 
 #include "pamr/geometry/box.hpp"
 #include "pamr/geometry/tet_shape.hpp"
+#include "pamr/mesh/dist_mesh.hpp"
 #include "solvers/dsmc/gas/gas.hpp"
 #include "solvers/dsmc/gas/stream.hpp"
 #include "solvers/dsmc/kernel/boundary.hpp"
 #include "solvers/dsmc/kernel/collide.hpp"
 #include "solvers/dsmc/kernel/flux_planes.hpp"
+#include "solvers/dsmc/kernel/inner_wall.hpp"
 
 namespace pamr::dsmc {
 
@@ -35,10 +37,12 @@ inline Vec3 centroid_of(const geometry::TetPoints& corner) {
 struct Setup {
   Gas gas;
   std::vector<Stream> stream;            ///< the first is the free stream
-  std::vector<BoundaryCondition> patch;  ///< one for each patch of the mesh
-  int initial = 0;                       ///< stream that fills the domain at the start; -1: vacuum
-  std::vector<Region> region;            ///< filled differently at the start; where they overlap the last one counts
-  std::vector<FluxPlane> plane;          ///< through which molecules are counted
+  std::vector<BoundaryCondition> patch;  ///< one for each patch of the mesh, then those of sides of walls inside
+  std::vector<mesh::Patch> patches;      ///< their names; empty: those of the mesh, of which none is a wall inside
+  std::vector<InnerWall> inner_wall;
+  int initial = 0;               ///< stream that fills the domain at the start; -1: vacuum
+  std::vector<Region> region;    ///< filled differently at the start; where they overlap the last one counts
+  std::vector<FluxPlane> plane;  ///< through which molecules are counted
   CollisionOptions collisions;
   double fnum = 1;              ///< F_num: real molecules per particle where the time step is `dt`
   double dt = 0;                ///< s, the largest time step
@@ -47,6 +51,11 @@ struct Setup {
   double unit = 1;              ///< meters in the mesh's length unit
   std::uint64_t seed = 1;
   double expected_particles = 0;  ///< in a domain full of free stream (with `from_fields`: of the gas in the fields)
+
+  /// The patches that the conditions are of.
+  const std::vector<mesh::Patch>& patches_on(const mesh::DistMesh& mesh) const {
+    return patches.empty() ? mesh.info.patches : patches;
+  }
 
   /// The region that fills a cell with these corners at the start; -1: none.
   int region_at_start(const geometry::TetPoints& corner) const {

@@ -6,6 +6,7 @@
 #include "pamr/base/contract.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/base/memory.hpp"
+#include "pamr/mesh/inner_patches.hpp"
 #include "pamr/mesh/tet.hpp"
 
 namespace pamr::dsmc {
@@ -58,8 +59,10 @@ std::vector<GlobalId> cells_from_0(const mesh::DistMesh& mesh) {
   return numbers;
 }
 
-GasDomain make_gas_domain(const mesh::DistMesh& mesh, double unit, double dt, double fnum) {
+GasDomain make_gas_domain(const mesh::DistMesh& mesh, double unit, double dt, double fnum,
+                          std::span<const InnerWall> walls) {
   GasDomain domain;
+  const mesh::InnerPatches inner(mesh);
   const auto n = at(mesh.n_cells());
   assign_array(domain.planes, n, CellPlanes{});
   domain.link = copy_array(mesh.cell_to_cell, n);
@@ -82,10 +85,12 @@ GasDomain make_gas_domain(const mesh::DistMesh& mesh, double unit, double dt, do
       domain.planes[c].nz[f] = plane.normal.z;
       domain.planes[c].d[f] = plane.offset;
       auto& link = domain.link[c][f];
-      if (link >= 0) continue;
+      const auto* wall = link < 0 || walls.empty() ? nullptr : find_wall(walls, inner.of({cell, slot}));
+      if (link >= 0 && wall == nullptr) continue;
       const auto& corner = mesh::tet::face_to_corner[f];
-      BoundaryFace face{cell, slot, mesh::slot_to_patch(link), 0, plane.normal, {}, -1};
+      BoundaryFace face{cell, slot, 0, 0, plane.normal, {}, -1};
       for (std::size_t k = 0; k < 3; ++k) face.corner[k] = points[at(corner[k])];
+      face.patch = wall == nullptr ? mesh::slot_to_patch(link) : wall->side_of(face.normal, face.center());
       face.area = 0.5 * norm(cross(face.corner[1] - face.corner[0], face.corner[2] - face.corner[0]));
       domain.boundary.push_back(face);
       link = -static_cast<LocalId>(domain.boundary.size());

@@ -3,10 +3,12 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "pamr/geometry/tet_shape.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
+#include "solvers/dsmc/kernel/inner_wall.hpp"
 
 namespace pamr::dsmc {
 
@@ -27,7 +29,7 @@ struct alignas(32) CellPlanes {
   }
 };
 
-/// A face of the domain's boundary.
+/// A face of the domain's boundary, or one side of a wall inside.
 struct BoundaryFace {
   LocalId cell = 0;
   int slot = 0;
@@ -36,6 +38,8 @@ struct BoundaryFace {
   Vec3 normal;                   ///< unit, out of the gas
   std::array<Vec3, 3> corner{};  ///< m
   LocalId across = -1;           ///< periodic patch: the cell behind the face, as in `GasDomain::link`
+
+  Vec3 center() const { return (1.0 / 3) * (corner[0] + corner[1] + corner[2]); }
 };
 
 /// A cell, or a face of the boundary, of another rank.
@@ -85,9 +89,10 @@ std::vector<GlobalId> cells_from_0(const mesh::DistMesh& mesh);
 /// Corners of a cell in meters.
 geometry::TetPoints corners(const mesh::DistMesh& mesh, double unit, LocalId cell);
 
-/// The domain of a mesh whose length unit is `unit` meters, with the same time step and F_num in all cells. Local.
-/// O(cells) time.
-GasDomain make_gas_domain(const mesh::DistMesh& mesh, double unit, double dt, double fnum);
+/// The domain of a mesh whose length unit is `unit` meters, with the same time step and F_num in all cells. Faces of
+/// `walls` inside part the gas: each of their two cells has a boundary face there. Local. O(cells) time.
+GasDomain make_gas_domain(const mesh::DistMesh& mesh, double unit, double dt, double fnum,
+                          std::span<const InnerWall> walls = {});
 
 /// True when `position` is in the cell, to within `tolerance` meters. Local.
 bool is_inside(const GasDomain& domain, LocalId cell, Vec3 position, double tolerance);

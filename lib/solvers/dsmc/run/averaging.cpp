@@ -38,9 +38,10 @@ Averaging::Averaging(const Case& the_case, const mesh::DistMesh& mesh, const Flo
     : schedule_(the_case.schedule),
       point_(the_case.reference.point),
       scale_(the_case.gas, the_case.stream.front(), the_case.reference),
-      body_(reference_patches(the_case.reference, mesh.info.patches, flow.setup().patch)) {
-  for (std::size_t p = 0; p < mesh.info.patches.size(); ++p)
-    if (flow.setup().patch[p].is_wall()) walls_.emplace_back(p, mesh.info.patches[p].name);
+      body_(reference_patches(the_case.reference, flow.setup().patches_on(mesh), flow.setup().patch)) {
+  const auto& patches = flow.setup().patches_on(mesh);
+  for (std::size_t p = 0; p < patches.size(); ++p)
+    if (flow.setup().patch[p].is_wall()) walls_.emplace_back(p, patches[p].name);
   interval_ = std::max<std::int64_t>(1, std::llround(flow_through_steps(flow, mesh) / window));
   state_.block_steps = schedule_.block > 0 ? schedule_.block : std::max<std::int64_t>(1, schedule_.sampling / 20);
   state_.face.resize(flow.domain().boundary.size());

@@ -55,6 +55,23 @@ BoundaryCondition read_driven(const TomlTable& table, const std::string& kind, c
   return b;
 }
 
+/// Which side of a wall inside the gas is its front.
+void read_facing(const TomlTable& table, Case& c) {
+  const bool has_point = table.has("inside");
+  if (!has_point && !table.has("front")) return;
+  if (is_name_pattern(table.name()))
+    table.refuse(has_point ? "inside" : "front", "no such key for several patches at once");
+  if (has_point) {
+    if (table.has("front")) table.refuse("front", "no such key beside inside");
+    c.facing[table.name()] = {read_place(table, "inside"), true};
+    return;
+  }
+  const auto front = table.point<Vec3>("front");
+  const double length = norm(front);
+  if (!(length > 0 && std::isfinite(length))) table.refuse("front", "a direction");
+  c.facing[table.name()] = {(1 / length) * front, false};
+}
+
 void read_boundaries(const TomlTable& boundaries, Case& c) {
   for (const auto& table : boundaries.all_tables()) {
     const auto& patch = table.name();
@@ -75,6 +92,7 @@ void read_boundaries(const TomlTable& boundaries, Case& c) {
       b.kind = Kind::periodic;
       c.partner[patch] = table.text("partner", "the name of the opposite patch");
     }
+    if (b.is_wall()) read_facing(table, c);
     c.boundary[patch] = b;
     c.boundary_at[patch] = table.at();
   }

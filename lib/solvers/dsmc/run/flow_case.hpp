@@ -41,6 +41,7 @@ struct Case {
   std::map<std::string, BoundaryCondition> boundary;  ///< by patch, or by a pattern of names (base/name_pattern.hpp)
   std::map<std::string, std::string> boundary_at;     ///< file and line of each, for messages
   std::map<std::string, std::string> partner;         ///< of periodic patches
+  std::map<std::string, Facing> facing;               ///< of patches inside the gas, where the case tells
   int initial = 0;
   std::vector<Region> region;
   std::vector<std::string> region_at;  ///< file and line of each, for messages

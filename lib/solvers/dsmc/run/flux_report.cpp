@@ -48,7 +48,7 @@ std::size_t n_patches_of(const Computation& computation) { return computation.fl
 
 std::vector<std::string> surfaces_of(const Computation& computation) {
   std::vector<std::string> names;
-  for (const auto& patch : computation.mesh().info.patches) names.push_back(patch.name);
+  for (const auto& patch : computation.flow().setup().patches_on(computation.mesh())) names.push_back(patch.name);
   for (const auto& plane : computation.flow().setup().plane) names.push_back(plane.name);
   return names;
 }

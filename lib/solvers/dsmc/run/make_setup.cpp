@@ -12,14 +12,12 @@
 
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
-#include "pamr/base/listed.hpp"
 #include "pamr/mesh/box_of_nodes.hpp"
-#include "pamr/mesh/find_patches.hpp"
-#include "pamr/mesh/inner_patches.hpp"
 #include "pamr/mesh/require_field.hpp"
 #include "pamr/par/reproducible_sum.hpp"
 #include "solvers/dsmc/gas/gas_tables.hpp"
 #include "solvers/dsmc/gas/kinetic_theory.hpp"
+#include "solvers/dsmc/run/gas_patches.hpp"
 #include "solvers/dsmc/sampling/loads.hpp"
 
 namespace pamr::dsmc {
@@ -28,47 +26,9 @@ using namespace geometry;
 
 namespace {
 
-/// Patches that lie inside alone need no condition, and cannot have one of their own. Collective.
-std::vector<BoundaryCondition> conditions_of(const par::Comm& comm, const Case& c, const mesh::DistMesh& mesh) {
-  const auto inside = mesh::patches_inside_alone(comm, mesh);
-  std::vector<BoundaryCondition> conditions;
-  std::vector<std::string> missing;
-  for (std::size_t p = 0; p < inside.size(); ++p) {
-    const auto& patch = mesh.info.patches[p];
-    if (inside[p])
-      conditions.emplace_back().kind = BoundaryCondition::Kind::symmetry;
-    else if (const auto* found = c.find_boundary(patch.name, mesh::group_names(patch)))
-      conditions.push_back(*found);
-    else
-      missing.push_back(patch.name);
-  }
-  if (!missing.empty())
-    throw Error(
-        fmt::format("{}: expected a table [boundary.PATCH] for every patch of the mesh, found none for {} (PATCH "
-                    "may stand for several, such as \"*\")",
-                    c.where, listed(missing, {.most = all_items})));
-  for (const auto& [name, condition] : c.boundary) {
-    const auto found = mesh::require_patches(mesh.info.patches, name, c.boundary_at.at(name) + ": [boundary.PATCH]");
-    if (std::all_of(found.begin(), found.end(), [&](int patch) { return inside[at(patch)]; }))
-      throw Error(
-          fmt::format("{}: expected a condition at the boundary, found \"{}\", whose faces lie inside the gas: "
-                      "these are no walls yet",
-                      c.boundary_at.at(name), name));
-  }
-  const auto number = [&](const std::string& name) {
-    const auto found = mesh::find_patches(mesh.info.patches, name);
-    if (found.size() != 1)
-      throw Error(fmt::format("{}: expected one patch of kind \"periodic\", found that \"{}\" stands for {}",
-                              c.boundary_at.at(name), name, found.size()));
-    return found.front();
-  };
-  for (const auto& [name, partner] : c.partner) conditions[at(number(name))].partner = number(partner);
-  return conditions;
-}
-
-void require_reference(const Case& c, const mesh::DistMesh& mesh, const std::vector<BoundaryCondition>& conditions) {
+void require_reference(const Case& c, const Setup& setup) {
   for (const auto& name : c.reference.patches)
-    if (walls_named(name, mesh.info.patches, conditions).empty())
+    if (walls_named(name, setup.patches, setup.patch).empty())
       throw Error(
           fmt::format("{}: expected patches = names of walls of the mesh in [reference], found \"{}\"", c.where, name));
 }
@@ -173,14 +133,14 @@ Setup make_setup(const par::Comm& comm, const Case& c, const mesh::DistMesh& mes
   Setup setup;
   setup.gas = c.gas;
   setup.stream = c.stream;
-  setup.patch = conditions_of(comm, c, mesh);
-  require_reference(c, mesh, setup.patch);
+  setup.unit = unit_of(c, mesh);
+  set_patches(comm, c, mesh, setup);
+  require_reference(c, setup);
   setup.initial = c.initial;
   setup.region = c.region;
   setup.plane = c.flux_plane;
   setup.collisions = c.collisions;
   setup.dt = c.dt;
-  setup.unit = unit_of(c, mesh);
   require_size(comm, c, mesh, setup.unit);
   std::vector<LocalGas> gas;
   par::agree(comm, [&] { gas = local_gas(c, mesh); });

@@ -80,18 +80,18 @@ Plan make_plan(const par::Comm& comm, const Case& c, const Setup& setup, const m
   plan.steps = static_cast<double>(c.schedule.sampling + c.schedule.transient.value_or(0));
   plan.cpu_seconds = plan.max_particles() * plan.steps / typical_rate;
 
-  const auto body = reference_patches(c.reference, mesh.info.patches, setup.patch);
+  const auto body = reference_patches(c.reference, setup.patches_on(mesh), setup.patch);
   plan.gives_lift = c.reference.gives_lift();
   plan.has_body = std::find(body.begin(), body.end(), true) != body.end() && speed > 0 && free.density > 0;
   if (!plan.has_body) return plan;
-  const auto domain = make_gas_domain(mesh, setup.unit, setup.dt, setup.fnum);
+  const auto domain = make_gas_domain(mesh, setup.unit, setup.dt, setup.fnum, setup.inner_wall);
   const Scale scale(gas, free, c.reference);
   const auto of_law = [&](const SurfaceLaw& law) {
     return scale.coefficients(sum_of(integrate_law(comm, domain, law, c.reference.point, body.size()), body));
   };
   plan.newtonian = of_law(newtonian_law(gas, free));
   if (const auto moving = patch_that_leaves_its_plane(comm, domain, setup.patch, body); moving >= 0)
-    plan.moving_wall = mesh.info.patches[at(moving)].name;
+    plan.moving_wall = setup.patches_on(mesh)[at(moving)].name;
   else
     plan.free_molecular = of_law(free_molecular_law(gas, free, setup.patch));
   return plan;

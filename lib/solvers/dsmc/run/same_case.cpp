@@ -192,7 +192,7 @@ void add_differences(const json& before, const json& now, const std::string& nam
 }  // namespace
 
 json facts_of(const par::Comm& comm, const Case& c, const Setup& setup, const mesh::DistMesh& mesh) {
-  const auto& patches = mesh.info.patches;
+  const auto& patches = setup.patches_on(mesh);
   json facts{{"gas", {{"fractions", by_species(c.gas, c.gas.fraction)}, {"rotation", facts_of(c.gas.rotation)}}},
              {"initial", facts_of_start(setup)},
              {"collisions", facts_of(setup.collisions)},
@@ -207,6 +207,10 @@ json facts_of(const par::Comm& comm, const Case& c, const Setup& setup, const me
   for (const auto& p : setup.plane) facts["plane"][p.name] = facts_of(p);
   for (std::size_t p = 0; p < patches.size(); ++p)
     facts["boundary"][patches[p].name] = facts_of(setup.patch[p], setup, patches);
+  for (const auto& wall : setup.inner_wall) {
+    const auto& [x, y, z] = wall.facing.value;
+    facts["front"][patches[at(wall.side[0])].name] = {{wall.facing.from_point ? "inside" : "front", {x, y, z}}};
+  }
   return facts;
 }
 

@@ -17,8 +17,6 @@ namespace {
 
 constexpr std::size_t n_parts = 7;  ///< force, moment, heat
 
-Vec3 center(const BoundaryFace& face) { return (1.0 / 3) * (face.corner[0] + face.corner[1] + face.corner[2]); }
-
 /// Adds up `part(face)` over all faces of each patch, without rounding.
 template <class Part>
 std::vector<Load> add_up(const par::Comm& comm, const GasDomain& domain, std::size_t n_patches, Vec3 point, Part part) {
@@ -26,7 +24,7 @@ std::vector<Load> add_up(const par::Comm& comm, const GasDomain& domain, std::si
   for (std::size_t b = 0; b < domain.boundary.size(); ++b) {
     const auto& face = domain.boundary[b];
     const auto [force, heat] = part(b);
-    const Vec3 moment = cross(center(face) - point, force);
+    const Vec3 moment = cross(face.center() - point, force);
     auto* sum = sums.data() + n_parts * static_cast<std::size_t>(face.patch);
     const double row[n_parts] = {force.x, force.y, force.z, moment.x, moment.y, moment.z, heat};
     for (std::size_t k = 0; k < n_parts; ++k) sum[k].add(row[k]);
