@@ -16,7 +16,7 @@ import tempfile
 
 TOOLS, LIBRARY, LAUNCHER = pathlib.Path(sys.argv[1]).resolve(), os.path.abspath(sys.argv[2]), sys.argv[3:]
 RANKS = 4
-BARS = {"moving": (("--crossing-sphere", "0,0,0,0.2"), 1.45), "writing": (("--centroid-shell", "0.1,0,0,0,0.75"), 1.3)}
+BARS = {"moving": (("--crossing-sphere", "0,0,0,0.2"), 1.4), "writing": (("--centroid-shell", "0.1,0,0,0,0.75"), 1.3)}
 
 
 def tool(name, *arguments, launcher=(), **environment):

@@ -5,9 +5,9 @@
 
 namespace pamr::cli {
 
-/// Has SIGINT, SIGTERM, SIGHUP and SIGUSR1 remove what is unfinished (`io::RemoveOnInterrupt`), say so and what is complete
-/// (`io::complete_outputs`) if this process `speaks`, and end it with exit code 6, half a second later if it is one of several ranks. A SIGHUP that the process
-/// ignored when it began (nohup) stays ignored. Local.
+/// Has SIGINT, SIGTERM, SIGHUP and SIGUSR1 remove what is unfinished (`io::RemoveOnInterrupt`), say so and what is
+/// complete (`io::complete_outputs`) if this process `speaks`, and end it with exit code 6, half a second later if it is
+/// one of several ranks. A SIGHUP that the process ignored when it began (nohup) stays ignored. Local.
 void end_well_on_interrupt(const std::string& tool, bool speaks, bool in_company);
 
 /// From here on an interrupt ends this process without a word: its work has failed, and it says how. Local.
