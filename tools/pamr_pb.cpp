@@ -148,9 +148,11 @@ Solved solve_level(Run& run, mesh::DistMesh given, const std::string& start_fiel
   if (!start_field.empty()) start = pb::initial_guess(comm, mesh, conditions, start_field, o.mesh);
   if (!start.empty() && domain.quadratic) start = pb::on_all_nodes(domain, start);
   nlohmann::json needs;
-  if (run.levels.empty())
-    for (const auto& line : pb::describe(input)) session.summary(line);
-  pb::System system(comm, problem, [&] { needs = print_case(session, problem); });
+  pb::System system(comm, problem, [&] {
+    if (run.levels.empty())
+      for (const auto& line : pb::describe(input)) session.summary(line);
+    needs = print_case(session, problem);
+  });
   timer.lap("assemble");
   session.summary(pb::table_head());
   session.step("solving: Newton step 1");
