@@ -50,7 +50,7 @@ for ((level = 0; level <= levels; ++level)); do
     pamr-quality "$out/$name-1/level$level.hdf" --json "$out/$name$level.json" --quiet
   done
 done
-on_ranks pamr-dsmc "$case_folder/plate.toml" --mesh "$out/sheet-1/level1.hdf" -o "$out/gas.hdf" --json "$out/gas.json" --force --quiet
+on_ranks pamr-dsmc "$case_folder/plate.toml" --mesh "$out/sheet-1/level0.hdf" -o "$out/gas.hdf" --json "$out/gas.json" --force --quiet
 pamr-convert "$out/sheet-1/level$levels.hdf" "$out/foam" --force --quiet
 if command -v checkMesh >/dev/null; then checkMesh -case "$out/foam" -constant >"$out/foam.log" 2>&1 || true; fi
 if /usr/bin/python3 -c "import dolfinx" 2>/dev/null; then

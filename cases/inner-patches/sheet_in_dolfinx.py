@@ -14,7 +14,7 @@ import pamr
 out, levels = pathlib.Path(sys.argv[1]), int(sys.argv[2])
 found = []
 for level in range(levels + 1):
-    back = pamr.to_dolfinx(pamr.Mesh.read(str(out / f"sheet-1/level{level}.hdf")))
+    back = pamr.to_dolfinx(pamr.Mesh.read(MPI.COMM_WORLD, str(out / f"sheet-1/level{level}.hdf")))
     x = ufl.SpatialCoordinate(back.mesh)
     on, at = (ufl.Measure(kind, back.mesh, subdomain_data=back.facet_tags) for kind in ("dS", "ds"))
     values = [fem.assemble_scalar(fem.form(form)) for form in
