@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Patches inside: a ball of another material in a box, whose interface is curved, and a rectangular sheet in one region, by Gmsh. Both
-# are refined and coarsened back; the sheet is then a thin plate in free-molecular gas, and goes to dolfinx and OpenFOAM where these are.
+# are refined and coarsened back; the sheet is then a thin plate in free-molecular gas, and goes to OpenFOAM, and to dolfinx where it is.
 #
 #   cases/inner-patches/run.sh [--ranks N] [--levels N] [--picture] [--out FOLDER] [--tools FOLDER]
 #
@@ -52,7 +52,6 @@ for ((level = 0; level <= levels; ++level)); do
 done
 on_ranks pamr-dsmc "$case_folder/plate.toml" --mesh "$out/sheet-1/level0.hdf" -o "$out/gas.hdf" --json "$out/gas.json" --force --quiet
 pamr-convert "$out/sheet-1/level$levels.hdf" "$out/foam" --force --quiet
-if command -v checkMesh >/dev/null; then checkMesh -case "$out/foam" -constant >"$out/foam.log" 2>&1 || true; fi
 if /usr/bin/python3 -c "import dolfinx" 2>/dev/null; then
   mpirun -n "$ranks" /usr/bin/python3 -B "$case_folder/sheet_in_dolfinx.py" "$out" "$levels"
 else

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """sheet_in_dolfinx.py OUT LEVELS: on each level the integral of 1 + x + 2 y over the sheet (dS of its tag) and over the lid (ds)."""
 import json
+import logging
 import pathlib
 import sys
 
@@ -11,6 +12,7 @@ from mpi4py import MPI
 
 import pamr
 
+logging.disable(logging.INFO)  # what compiles the forms says each command
 out, levels = pathlib.Path(sys.argv[1]), int(sys.argv[2])
 found = []
 for level in range(levels + 1):
