@@ -87,8 +87,9 @@ Balanced balance_parents(const par::Comm& comm, Parents parents, std::span<const
   auto bytes = closure_to_bytes(closure);
   const bool cut_faces_conform = closure.cut_faces_conform;
   const auto of_closure = closure.report;
-  borders = {};  // the cells on their way need the room
-  closure = {};
+  {
+    const auto of_old_mesh = std::pair(std::move(borders), std::move(closure));
+  }  // the cells on their way need its room
   mesh = balance::migrate(comm, std::move(mesh), wanted.part, &bytes);
   closure = closure_from_bytes(mesh, bytes, options.refinement, of_closure);
   closure.cut_faces_conform = cut_faces_conform;
