@@ -3,8 +3,10 @@
 import lzma
 import math
 import pathlib
+import re
 import sys
 
+import h5py
 import numpy as np
 
 from surface_models import icosphere, write_stl
@@ -166,12 +168,14 @@ def test_a_mesh_refined_without_a_map_is_named_and_becomes_level_0():
 
     run("pamr-mark", "old.hdf", "-o", "marked.hdf", "--crossing-sphere", "1e9,0,0,1", "--coarsen-rest", "--force", "--quiet", serial=True)
     told = run("pamr-refine", "marked.hdf", "-o", "back.hdf", "--json", "-")
-    assert told.json["cells_out"] == 184 and "warning" not in told.err
+    with h5py.File("level0.hdf") as file:
+        n = len(file["VTKHDF/Types"])  # which CGAL makes, by its version
+    assert told.json["cells_out"] == n and "warning" not in told.err
     run("pamr-mark", "back.hdf", "-o", "marked.hdf", "--all", "--force", "--quiet", serial=True)
     assert run("pamr-refine", "marked.hdf", "-o", "anew.hdf", "--json", "-", serial=True).json["level0"]["bent_cells"] > 0
 
     told = run("pamr-convert", "old.hdf", "new.hdf", "--as-level-0", "--json", "-")
-    assert told.json["refined_cells"] == told.json["cells"] == 1472 and "the longest 1.19 of it" in told.err
+    assert told.json["refined_cells"] == told.json["cells"] == 8 * n and re.search(r"the longest 1\.[12]\d of it", told.err), told.err
     run("pamr-mark", "new.hdf", "-o", "marked.hdf", "--patch", "ball", "--force", "--quiet", serial=True)
     told = run("pamr-refine", "marked.hdf", "-o", "fine.hdf", "--json", "-")
     assert "without a map" not in told.err and told.json["level0"]["bent_cells"] > 0
