@@ -20,7 +20,7 @@ namespace {
 
 int first_failure = 0;  // an errno; one thread prints
 
-constexpr std::size_t pipe_piece = 4096;  // which a pipe takes, and the launcher reads, at once
+constexpr std::size_t pipe_piece = 1024;  // which the launcher of Open MPI 5 reads at once
 
 /// Whole lines from the beginning of a text, as many as the launcher reads at once; at least one.
 std::string_view first_lines(std::string_view text) {
@@ -34,11 +34,13 @@ bool write_now(std::string_view text) {
   return std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0;
 }
 
-/// Waits until the launcher has read all that stands in the pipe of a stream, at the latest until then.
+/// Waits until the launcher has read all that stands in the pipe of a stream, at the latest until then, and for the time in
+/// which it hands on what it has read: its threads may otherwise change the order.
 void wait_for_reader(int stream, std::chrono::steady_clock::time_point latest) {
   int n_bytes = 0;
   while (::ioctl(stream, FIONREAD, &n_bytes) == 0 && n_bytes > 0 && std::chrono::steady_clock::now() < latest)
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  std::this_thread::sleep_for(std::chrono::milliseconds(10));
 }
 
 /// Each piece when all before it has been read: the launcher then never reads a part of a line, which it would hold back.
@@ -51,6 +53,7 @@ bool write_in_pieces(std::string_view text) {
     if (!write_now(piece)) return false;
     text.remove_prefix(piece.size());
   }
+  wait_for_reader(STDOUT_FILENO, latest);  // before anything goes to standard error
   return true;
 }
 
