@@ -252,9 +252,7 @@ cli::ExitCode run_case(cli::Session& session, const Options& o) {
   session.step("writing " + o.out.mesh);
   computation->finish();
   outcome.resolution = write_output(*computation, o.out, [&](const std::string& file, const std::string& text) {
-    par::agree(comm, [&] {
-      if (comm.is_first()) cli::write_whole(file, text);
-    });
+    cli::write_whole(comm, file, text);
     if (file != o.out.lines || !comm.is_first()) return;
     for (const auto& warning : warnings_of_lines(c, text)) session.warn(warning);
   });

@@ -103,7 +103,7 @@ nlohmann::json print_case(const cli::Session& session, const pb::Problem& proble
   return {{"matrix_entries", n_entries}, {"bytes_a_rank", bytes}};
 }
 
-/// What all levels have in common.
+/// A run over all its levels.
 struct Run {
   cli::Session& session;
   const Options& options;
@@ -113,8 +113,8 @@ struct Run {
   std::vector<pb::Level> levels;  ///< that have been solved
 };
 
-/// One level: the mesh with the fields of its solution, what is said of it, and the report without times; without a
-/// mesh where nothing came of it.
+/// One level: the mesh with the fields of its solution, lines to print, and the report without times; no mesh where the
+/// solve has failed.
 struct Solved {
   std::optional<mesh::DistMesh> mesh;
   nlohmann::json report;
@@ -197,10 +197,7 @@ void write_level(Run& run, const mesh::DistMesh& mesh) {
   const auto& comm = run.session.comm();
   run.session.step("writing " + o.output);
   io::write_native(comm, o.output, mesh, {.format = o.format, .remark = run.session.remarks()});
-  if (!o.history.empty())
-    par::agree(comm, [&] {
-      if (comm.is_first()) cli::write_whole(o.history, pb::levels_csv(run.levels));
-    });
+  if (!o.history.empty()) cli::write_whole(comm, o.history, pb::levels_csv(run.levels));
   run.timer.lap("write");
 }
 

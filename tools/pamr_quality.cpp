@@ -61,12 +61,6 @@ void check_files(cli::Session& session, const Options& options) {
   if (!options.worst_out.empty()) session.check_native_output(options.worst_out, options.force);
 }
 
-void write_csv(const par::Comm& comm, const std::string& file, const std::string& text) {
-  par::agree(comm, [&] {
-    if (comm.is_first()) cli::write_whole(file, text);
-  });
-}
-
 void write_html(const par::Comm& comm, const std::string& file, const std::vector<report::ReportedMesh>& meshes) {
   par::agree(comm, [&] {
     if (comm.is_first()) cli::write_whole(file, report::html_report(meshes));
@@ -114,7 +108,7 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
                        check::extract_cells(comm, mesh, check::worst_cells(comm, mesh, options.worst)));
   }
 
-  if (!options.csv.empty()) write_csv(comm, options.csv, check::to_csv(reports));
+  if (!options.csv.empty()) cli::write_whole(comm, options.csv, check::to_csv(reports));
   if (!options.html.empty()) {
     session.step("writing " + options.html);
     write_html(comm, options.html, pictured);

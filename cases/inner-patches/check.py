@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""check.py OUT LEVELS: what the meshes, the gas and other systems have, compared with expected.csv; exit code 1 if it is not as there."""
+"""check.py OUT LEVELS: compares meshes, gas and exports with expected.csv; exit code 1 if a quantity is out of its bounds."""
 import json
 import math
 import pathlib

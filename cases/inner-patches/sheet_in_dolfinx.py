@@ -12,7 +12,7 @@ from mpi4py import MPI
 
 import pamr
 
-logging.disable(logging.INFO)  # what compiles the forms says each command
+logging.disable(logging.INFO)  # the compiler of the forms logs each of its commands
 out, levels = pathlib.Path(sys.argv[1]), int(sys.argv[2])
 found = []
 for level in range(levels + 1):

@@ -108,4 +108,10 @@ void write_whole(const std::string& path, const std::string& text) {
   file.commit();
 }
 
+void write_whole(const par::Comm& comm, const std::string& path, const std::string& text) {
+  par::agree(comm, [&] {
+    if (comm.is_first()) write_whole(path, text);
+  });
+}
+
 }  // namespace pamr::cli

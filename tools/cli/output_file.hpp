@@ -3,6 +3,8 @@
 
 #include <string>
 
+#include "pamr/par/comm.hpp"
+
 namespace pamr::cli {
 
 /// Throws `Error` unless `path` is an existing regular file or folder that can be read. Local.
@@ -20,5 +22,7 @@ void require_writable(const std::string& path, bool force);
 /// Writes `text` to `path` under a temporary name and renames it: either all of it or nothing arrives, and an existing
 /// file is replaced in one step. A path that is a device or pipe is written directly. Throws `Error`. Local.
 void write_whole(const std::string& path, const std::string& text);
+/// The same by rank 0, whose text counts. Collective; throws the same `Error` on every rank.
+void write_whole(const par::Comm& comm, const std::string& path, const std::string& text);
 
 }  // namespace pamr::cli

@@ -34,8 +34,8 @@ bool write_now(std::string_view text) {
   return std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0;
 }
 
-/// Waits until the launcher has read all that stands in the pipe of a stream, at the latest until then, and for the time in
-/// which it hands on what it has read: its threads may otherwise change the order.
+/// Waits until the launcher has read all bytes in the pipe of a stream, but no longer than until `latest`, and then
+/// gives its threads time to hand them on, which they may otherwise do in another order.
 void wait_for_reader(int stream, std::chrono::steady_clock::time_point latest) {
   int n_bytes = 0;
   while (::ioctl(stream, FIONREAD, &n_bytes) == 0 && n_bytes > 0 && std::chrono::steady_clock::now() < latest)
@@ -43,7 +43,7 @@ void wait_for_reader(int stream, std::chrono::steady_clock::time_point latest) {
   std::this_thread::sleep_for(std::chrono::milliseconds(10));
 }
 
-/// Each piece when all before it has been read: the launcher then never reads a part of a line, which it would hold back.
+/// Each piece when all before it has been read: the launcher then never reads, and holds back, a part of a line.
 bool write_in_pieces(std::string_view text) {
   const auto latest = std::chrono::steady_clock::now() + std::chrono::seconds(10);
   wait_for_reader(STDERR_FILENO, latest);
@@ -62,7 +62,7 @@ bool write_in_pieces(std::string_view text) {
 void keep_standard_streams() {
   for (const int file : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
     if (::fcntl(file, F_GETFD) >= 0) continue;
-    // The lowest free number is this one. What cannot be read or written gives the error of a closed stream.
+    // The lowest free number is this one. Reading or writing the wrong way fails as on a closed stream.
     if (::open("/dev/null", file == STDIN_FILENO ? O_WRONLY : O_RDONLY) != file) return;
   }
 }

@@ -8,8 +8,6 @@
 
 #include "adapt/flat_patches.hpp"
 #include "pamr/adapt/adapt.hpp"
-#include "pamr/adapt/depth.hpp"
-#include "pamr/adapt/flags.hpp"
 #include "pamr/adapt/forecast.hpp"
 #include "pamr/base/counted.hpp"
 #include "pamr/mark/apply_criteria.hpp"

@@ -21,7 +21,7 @@ namespace pamr::balance {
 
 namespace {
 
-/// What a cell takes in a message, without fields: corners, neighbors, number, lineage and its share of the nodes.
+/// Bytes of a cell in a message, without fields: corners, neighbors, number, lineage and its share of the nodes.
 constexpr std::size_t bytes_of_cell = 64;
 
 /// Cells that a rank sends at once, the same on every rank: an eighth of an even share, so that messages are small
@@ -55,13 +55,13 @@ void check_destinations(const par::Comm& comm, const mesh::DistMesh& mesh, std::
   });
 }
 
-/// What the rows of fields follow: of cells and of nodes.
+/// Cells and nodes that go from rank to rank; the rows of their fields follow them.
 struct Moves {
   RowMoves cells, nodes;
 };
 
-/// Sends the departing cells, grouped by target, round after round; returns what has gone and come, and adds the pieces
-/// that arrive.
+/// Sends the departing cells, grouped by target, round after round. Returns the rows that were sent and received, and
+/// adds the pieces that arrive.
 Moves exchange_pieces(const par::Comm& comm, std::span<const Rank> destination, PieceCutter& cutter,
                       std::vector<LocalId> departing, std::size_t cells_at_once, std::vector<Piece>& pieces) {
   std::stable_sort(departing.begin(), departing.end(),

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <map>
-#include <numeric>
 #include <variant>
 
 #include "pamr/base/contract.hpp"

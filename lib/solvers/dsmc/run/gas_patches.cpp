@@ -55,9 +55,8 @@ Facing facing_of(const Case& c, const mesh::Patch& patch, const std::array<std::
     throw Error(fmt::format("{}: expected front or inside in one table of \"{}\" and its sides, found it in {}",
                             c.boundary_at.at(telling.front()), patch.name, listed(telling, {.most = all_items})));
   throw Error(
-      fmt::format("{}: expected front = [x, y, z], the direction in which the front of \"{}\" looks, or inside = [x, "
-                  "y, z], a point "
-                  "that it looks away from, because its faces lie inside the gas",
+      fmt::format("{}: expected front = [x, y, z], the direction in which the front of \"{}\" looks, or inside = "
+                  "[x, y, z], a point that it looks away from, because its faces lie inside the gas",
                   c.boundary_at.at(tables[0]), patch.name));
 }
 

@@ -7,9 +7,9 @@
 
 namespace pamr::poisson_boltzmann {
 
-/// Free energies of the meshed part, dimensionless as `Energy`; with what lies beyond walls of the far field, as far as
-/// the condition there knows it. The force on a body is minus the derivative by its place: of the one while potentials
-/// are held, of the other while charges are. Source: K. A. Sharp, B. Honig, J. Phys. Chem. 94 (1990).
+/// Free energies of the meshed part, dimensionless as `Energy`, including the energy beyond walls of the far field as
+/// the condition there estimates it. The force on a body is minus the derivative by its place: of the one while
+/// potentials are held, of the other while charges are. Source: K. A. Sharp, B. Honig, J. Phys. Chem. 94 (1990).
 struct FreeEnergy {
   double fixed_potential = 0;  ///< minus the energy
   double fixed_charge = 0;     ///< that and the integral of charge times potential over all walls

@@ -15,11 +15,11 @@ namespace pamr::poisson_boltzmann {
 
 namespace {
 
-const LevelValue* find_value(const Level& level, const LevelValue& like) {
-  const auto found = std::find_if(level.values.begin(), level.values.end(), [&](const LevelValue& value) {
+const LevelValue* find_value(const std::vector<LevelValue>& values, const LevelValue& like) {
+  const auto found = std::find_if(values.begin(), values.end(), [&](const LevelValue& value) {
     return value.of == like.of && value.quantity == like.quantity;
   });
-  return found == level.values.end() ? nullptr : &*found;
+  return found == values.end() ? nullptr : &*found;
 }
 
 /// The quantities that any level has a value of, in the order in which they are met first.
@@ -27,7 +27,7 @@ std::vector<LevelValue> all_quantities(const std::vector<Level>& levels) {
   std::vector<LevelValue> all;
   for (const auto& level : levels)
     for (const auto& value : level.values)
-      if (find_value({0, 0, all}, value) == nullptr) all.push_back(value);
+      if (find_value(all, value) == nullptr) all.push_back(value);
   return all;
 }
 
@@ -60,7 +60,7 @@ std::vector<std::string> describe_levels(const std::vector<Level>& levels) {
   for (const auto& quantity : all_quantities(levels)) {
     lines.push_back(quantity.of.empty() ? quantity.quantity : quantity.of + " " + quantity.quantity);
     for (std::size_t k = 0; k < levels.size(); ++k) {
-      const auto* value = find_value(levels[k], quantity);
+      const auto* value = find_value(levels[k].values, quantity);
       lines.push_back(fmt::format("  level {:>2}  {:>11} cells  {}", k, levels[k].cells,
                                   value == nullptr ? "not given" : with_error(value->value, value->error)));
     }
