@@ -37,8 +37,8 @@ std::string name_of_mark() {
 bool has_others = false;
 
 /// Whether SIGHUP was ignored when the process began, as `nohup` has it. A library that is loaded with the program may
-/// give the signal a handler of its own before `main`: UCX, which MPI uses, does (openucx/ucx, issue 10742). Functions in
-/// .preinit_array run before that.
+/// give the signal a handler of its own before `main`: UCX, which MPI uses, does (openucx/ucx, issue 10742). Functions
+/// in .preinit_array run before that.
 bool hangup_is_ignored = false;
 
 void look_at_hangup() {
