@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# The parts of OpenCASCADE that read STEP and IGES files, evaluate shapes and sample them, as target `OCCT::OCCT`. Its own package file
+# The parts of OpenCASCADE that read STEP and IGES files, fuse solids, evaluate shapes and sample them, as target `OCCT::OCCT`. Its own package file
 # wants all of it, down to the drawing tools. For an installation elsewhere set OCCT_ROOT.
 find_path(OCCT_INCLUDE_DIR Standard_Version.hxx PATH_SUFFIXES opencascade)
 # From version 7.8 on TKDEIGES is what TKIGES was, and TKDESTEP what TKSTEP and TKSTEPBase were.
@@ -9,7 +9,7 @@ set(OCCT_libraries TKIGES TKSTEP TKSTEPBase)
 if(OCCT_TKDESTEP_LIBRARY)
   set(OCCT_libraries TKDEIGES TKDESTEP)
 endif()
-list(APPEND OCCT_libraries TKXSBase TKMesh TKTopAlgo TKBRep TKGeomBase TKG3d TKG2d TKMath TKernel)
+list(APPEND OCCT_libraries TKXSBase TKMesh TKBO TKTopAlgo TKBRep TKGeomBase TKG3d TKG2d TKMath TKernel)
 set(OCCT_required)
 foreach(library IN LISTS OCCT_libraries)
   find_library(OCCT_${library}_LIBRARY NAMES ${library})

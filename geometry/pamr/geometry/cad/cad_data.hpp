@@ -88,6 +88,7 @@ struct CadFaceData {
 struct CadOrigin {
   std::shared_ptr<const std::string> text;  ///< null where it was not read
   double scale = 1;                         ///< length units in a millimeter
+  bool is_assembly = false;                 ///< the text is that of a `CadAssembly`
 };
 
 /// A shape: faces in the order of the file, which numbers them from 1.
@@ -95,6 +96,7 @@ struct CadData {
   std::vector<CadFaceData> faces;
   std::vector<CadEdgeData> edges;
   std::vector<Vec3> vertices;
+  int n_solids = 0;
   std::string unit_of_file;  ///< length unit in which the file is written; empty where it does not say
   CadOrigin origin;
 };

@@ -20,7 +20,8 @@ constexpr double max_gap = 1e-3;       // of the size: edges farther from their 
 
 }  // namespace
 
-CadModel::CadModel(CadData data) : unit_of_file_(std::move(data.unit_of_file)), origin_(std::move(data.origin)) {
+CadModel::CadModel(CadData data)
+    : n_solids_(data.n_solids), unit_of_file_(std::move(data.unit_of_file)), origin_(std::move(data.origin)) {
   if (data.faces.empty()) throw Error("expected a shape with faces, found none");
   Box box;
   for (const auto& face : data.faces)

@@ -23,6 +23,7 @@ class CadModel {
   /// Diagonal of the box about the faces, and the largest coordinate.
   double size() const { return size_; }
   double magnitude() const { return magnitude_; }
+  int n_solids() const { return n_solids_; }
   const std::string& unit_of_file() const { return unit_of_file_; }
   const CadOrigin& origin() const { return origin_; }
   /// The largest tolerance of an edge: what the shape says, or how far it was found to be off its faces.
@@ -37,6 +38,7 @@ class CadModel {
   std::vector<CadFace> faces_;
   std::vector<std::vector<int>> faces_of_edge_;
   double size_ = 0, magnitude_ = 0;
+  int n_solids_ = 0;
   std::string unit_of_file_;
   CadOrigin origin_;
 

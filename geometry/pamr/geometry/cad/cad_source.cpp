@@ -88,12 +88,20 @@ CadSource read_cad_source(const std::filesystem::path& file) {
   return source;
 }
 
-std::shared_ptr<const CadModel> make_cad_model(const CadSource& source, std::string_view unit) {
+std::shared_ptr<const CadModel> make_cad_model(const CadSource& source, std::string_view unit, bool is_assembly) {
   const double length = millimeters(unit);
   try {
     auto data = read_cad(source.text, 1 / length);
-    data.origin = {std::make_shared<const std::string>(source.text), 1 / length};
+    data.origin = {std::make_shared<const std::string>(source.text), 1 / length, is_assembly};
     return std::make_shared<const CadModel>(std::move(data));
+  } catch (const Error& error) {
+    throw Error(fmt::format("file '{}': {}", source.file, error.what()));
+  }
+}
+
+CadAssembly make_cad_assembly(const CadSource& source, std::string_view unit, std::span<const std::string> chosen) {
+  try {
+    return assemble_cad(source.text, 1 / millimeters(unit), chosen);
   } catch (const Error& error) {
     throw Error(fmt::format("file '{}': {}", source.file, error.what()));
   }

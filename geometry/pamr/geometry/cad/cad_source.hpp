@@ -27,9 +27,13 @@ bool is_cad_file(const std::filesystem::path& file);
 /// not there, has another extension (see `is_cad_file`) or holds control characters.
 CadSource read_cad_source(const std::filesystem::path& file);
 
-/// The shape, coordinates in `unit`: mm, cm, m, um, in or ft. Throws `Error` if the text is not sound. OpenCASCADE may
+/// The shape, coordinates in `unit`: mm, cm, m, um, in or ft. `is_assembly`: the text is that of a `CadAssembly`. Throws `Error` if the text is not sound. OpenCASCADE may
 /// crash on a damaged one: the tools have had it read in a process of its own before.
-std::shared_ptr<const CadModel> make_cad_model(const CadSource& source, std::string_view unit);
+std::shared_ptr<const CadModel> make_cad_model(const CadSource& source, std::string_view unit,
+                                               bool is_assembly = false);
+
+/// The solids of the file, or the chosen ones, as regions (`assemble_cad`). Throws `Error`.
+CadAssembly make_cad_assembly(const CadSource& source, std::string_view unit, std::span<const std::string> chosen);
 
 /// Areas of its faces and its volume, in that unit. Throws `Error`.
 CadMeasures measure_cad_source(const CadSource& source, std::string_view unit);

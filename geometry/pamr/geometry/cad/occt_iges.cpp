@@ -28,6 +28,7 @@
 #include <array>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "pamr/base/error.hpp"
 
@@ -84,8 +85,9 @@ void read_face_properties(IGESControl_Reader& reader, OcctShape& result) {
   for (TopExp_Explorer e(result.shape, TopAbs_FACE); e.More(); e.Next()) {
     const auto entity = Handle(IGESData_IGESEntity)::DownCast(transfer->EntityFromShapeResult(e.Current(), 1));
     if (entity.IsNull()) continue;
-    if (entity->HasName()) result.names.emplace_back(e.Current(), entity->NameValue()->ToCString());
-    if (auto color = color_of(entity); !color.empty()) result.colors.emplace_back(e.Current(), std::move(color));
+    const auto* key = e.Current().TShape().get();
+    if (entity->HasName()) result.names[key] = entity->NameValue()->ToCString();
+    if (auto color = color_of(entity); !color.empty()) result.colors[key] = std::move(color);
   }
 }
 
@@ -103,9 +105,12 @@ void sew(OcctShape& read, double resolution) {
   for (TopExp_Explorer e(read.shape, TopAbs_FACE); e.More(); e.Next()) sewing.Add(e.Current());
   sewing.Perform();
   if (sewing.SewedShape().IsNull()) throw Error("expected faces that can be sewn, found none");
-  for (auto* list : {&read.names, &read.colors})
-    for (auto& [face, text] : *list)
-      if (sewing.IsModified(face)) face = sewing.Modified(face);
+  for (TopExp_Explorer e(read.shape, TopAbs_FACE); e.More(); e.Next()) {
+    if (!sewing.IsModified(e.Current())) continue;
+    const TopoDS_Shape sewn = sewing.Modified(e.Current());
+    for (auto* texts : {&read.names, &read.colors})
+      if (auto text = text_of(*texts, e.Current()); !text.empty()) (*texts)[sewn.TShape().get()] = std::move(text);
+  }
   BRep_Builder builder;
   TopoDS_Compound all;
   builder.MakeCompound(all);
@@ -145,10 +150,9 @@ OcctShape read_iges(std::string_view text) {
   if (result.shape.IsNull() || !TopExp_Explorer(result.shape, TopAbs_FACE).More())
     throw Error("expected faces in the IGES text, found none: curves alone are no shape; export surfaces or a solid");
   read_face_properties(reader, result);
-  if (!TopExp_Explorer(result.shape, TopAbs_SOLID).More()) {
-    const double in_mm = model.IsNull() ? 0 : model->GlobalSection().Resolution() * model->GlobalSection().UnitValue();
-    sew(result, std::isfinite(in_mm) ? in_mm : 0);
-  }
+  const double in_mm = model.IsNull() ? 0 : model->GlobalSection().Resolution() * model->GlobalSection().UnitValue();
+  result.tolerance = std::isfinite(in_mm) ? in_mm : 0;
+  if (!TopExp_Explorer(result.shape, TopAbs_SOLID).More()) sew(result, result.tolerance);
   return result;
 }
 

@@ -32,6 +32,7 @@
 
 #include "pamr/base/error.hpp"
 #include "pamr/base/one_line.hpp"
+#include "pamr/geometry/cad/occt_assembly.hpp"
 #include "pamr/geometry/cad/occt_geometry.hpp"
 #include "pamr/geometry/cad/occt_shape.hpp"
 #include "pamr/geometry/cad/occt_solids.hpp"
@@ -164,13 +165,14 @@ CadData convert(std::string_view text, double scale) {
   triangulate(read.shape, sample_deflection);
   Converter converter(read, scale);
   auto data = converter.data();
-  const auto for_each_face = [&](const auto& list, std::string CadFaceData::*field) {
-    for (const auto& [shape, value] : list)
-      if (const int f = converter.faces().FindIndex(shape); f > 0)
-        data.faces[static_cast<std::size_t>(f - 1)].*field = value;
-  };
-  for_each_face(read.names, &CadFaceData::name);
-  for_each_face(read.colors, &CadFaceData::color);
+  for (int f = 1; f <= converter.faces().Size(); ++f) {
+    auto& face = data.faces[static_cast<std::size_t>(f - 1)];
+    face.name = text_of(read.names, converter.faces()(f));
+    face.color = text_of(read.colors, converter.faces()(f));
+  }
+  TopTools_IndexedMapOfShape solids;
+  TopExp::MapShapes(read.shape, TopAbs_SOLID, solids);
+  data.n_solids = solids.Size();
   data.unit_of_file = std::move(read.unit);
   return data;
 }
@@ -193,10 +195,10 @@ CadData read(std::string_view text, double scale) {
   return with_occt([&] { return convert(text, scale); });
 }
 
-CadTriangles triangulated(std::string_view text, double scale, double deflection) {
+CadTriangles triangulated(std::string_view text, double scale, double deflection, bool is_assembly) {
   return with_occt([&] {
     const auto read = read_occt_shape(text);
-    auto solids = solids_of(read, scale);
+    auto solids = solids_of(read, scale, !is_assembly);
     if (!solids.contact.empty())
       return CadTriangles{.point = {}, .corner = {}, .face = {}, .solids = std::move(solids)};
     triangulate(read.shape, deflection);
@@ -204,6 +206,10 @@ CadTriangles triangulated(std::string_view text, double scale, double deflection
     result.solids = std::move(solids);
     return result;
   });
+}
+
+CadAssembly assembled(std::string_view text, double scale, std::span<const std::string> chosen) {
+  return with_occt([&] { return assembly_of(read_occt_shape(text), scale, chosen); });
 }
 
 CadMeasures measured(std::string_view text, double scale) {
@@ -224,7 +230,7 @@ CadMeasures measured(std::string_view text, double scale) {
   });
 }
 
-constexpr CadReader by_occt{read, triangulated, measured};
+constexpr CadReader by_occt{read, triangulated, assembled, measured};
 
 }  // namespace
 

@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <span>
+#include <string>
 #include <string_view>
 
 #include "pamr/geometry/cad/read_cad.hpp"
 
 namespace pamr::geometry {
 
-/// `read_cad`, `triangulate_cad` and `measure_cad` by OpenCASCADE.
+/// `read_cad`, `triangulate_cad`, `assemble_cad` and `measure_cad` by OpenCASCADE.
 struct CadReader {
   CadData (*read)(std::string_view text, double scale);
-  CadTriangles (*triangulate)(std::string_view text, double scale, double deflection);
+  CadTriangles (*triangulate)(std::string_view text, double scale, double deflection, bool is_assembly);
+  CadAssembly (*assemble)(std::string_view text, double scale, std::span<const std::string> chosen);
   CadMeasures (*measure)(std::string_view text, double scale);
 };
 

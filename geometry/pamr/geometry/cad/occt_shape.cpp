@@ -18,21 +18,31 @@
 #include <Interface_Static.hxx>
 #include <Quantity_Color.hxx>
 #include <STEPControl_Reader.hxx>
+#include <StepBasic_Product.hxx>
+#include <StepBasic_ProductDefinition.hxx>
+#include <StepBasic_ProductDefinitionFormation.hxx>
+#include <StepBasic_UncertaintyMeasureWithUnit.hxx>
+#include <StepRepr_CharacterizedDefinition.hxx>
 #include <StepRepr_MappedItem.hxx>
+#include <StepRepr_PropertyDefinition.hxx>
 #include <StepRepr_Representation.hxx>
 #include <StepRepr_RepresentationContext.hxx>
 #include <StepRepr_RepresentationItem.hxx>
 #include <StepRepr_RepresentationMap.hxx>
+#include <StepRepr_RepresentationRelationshipWithTransformation.hxx>
+#include <StepRepr_RepresentedDefinition.hxx>
 #include <StepRepr_ShapeRepresentationRelationship.hxx>
 #include <StepShape_ContextDependentShapeRepresentation.hxx>
 #include <StepShape_FaceBasedSurfaceModel.hxx>
 #include <StepShape_FaceSurface.hxx>
+#include <StepShape_ShapeDefinitionRepresentation.hxx>
 #include <StepShape_ShapeRepresentation.hxx>
 #include <StepShape_ShellBasedSurfaceModel.hxx>
 #include <StepShape_SolidModel.hxx>
 #include <StepVisual_Colour.hxx>
 #include <StepVisual_StyledItem.hxx>
 #include <TColStd_SequenceOfAsciiString.hxx>
+#include <TCollection_HAsciiString.hxx>
 #include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
@@ -41,10 +51,14 @@
 #include <XSControl_TransferReader.hxx>
 #include <XSControl_WorkSession.hxx>
 #include <algorithm>
+#include <array>
 #include <cctype>
+#include <cmath>
 #include <cstdlib>
 #include <sstream>
+#include <string_view>
 #include <unordered_set>
+#include <utility>
 #include <vector>
 
 #include "pamr/base/error.hpp"
@@ -122,15 +136,74 @@ std::string first_of(const Interface_CheckIterator& checks, const STEPControl_Re
   return {};
 }
 
-void read_names(STEPControl_Reader& reader, const TopoDS_Shape& shape, TopAbs_ShapeEnum type,
-                std::vector<std::pair<TopoDS_Shape, std::string>>& names) {
-  const auto transfer = reader.WS()->TransferReader();
-  for (TopExp_Explorer e(shape, type); e.More(); e.Next()) {
-    const auto item = Handle(StepRepr_RepresentationItem)::DownCast(transfer->EntityFromShapeResult(e.Current(), 1));
-    if (item.IsNull() || item->Name().IsNull()) continue;
-    std::string name = item->Name()->ToCString();
-    if (!name.empty() && name != "NONE") names.emplace_back(e.Current(), std::move(name));
+/// A name of the file, empty where it says that there is none or its writer made it up.
+std::string sound_name(const Handle(TCollection_HAsciiString) & text) {
+  if (text.IsNull()) return {};
+  auto name = one_line(text->ToCString());
+  return name == "NONE" || name.starts_with("Open CASCADE STEP translator") ? std::string() : name;
+}
+
+/// The name of the part (product) whose shape has an item in it, empty where there is none. A part may have its solids in
+/// a representation that belongs to the one that it names.
+std::string part_with(const Interface_Graph& graph, const Handle(Standard_Transient) & item) {
+  std::vector<Handle(Standard_Transient)> open{item};
+  for (std::size_t i = 0; i < open.size(); ++i) {
+    const auto add = [&](const Handle(Standard_Transient) & entity) {
+      if (!entity.IsNull() && std::find(open.begin(), open.end(), entity) == open.end()) open.push_back(entity);
+    };
+    auto users = graph.Sharings(open[i]);
+    for (users.Start(); users.More(); users.Next()) {
+      const auto user = users.Value();
+      if (user->IsKind(STANDARD_TYPE(StepShape_ShapeRepresentation))) add(user);
+      if (const auto pair = Handle(StepRepr_ShapeRepresentationRelationship)::DownCast(user);
+          !pair.IsNull() && !user->IsKind(STANDARD_TYPE(StepRepr_RepresentationRelationshipWithTransformation))) {
+        add(pair->Rep1());
+        add(pair->Rep2());
+      }
+      const auto definition = Handle(StepShape_ShapeDefinitionRepresentation)::DownCast(user);
+      if (definition.IsNull()) continue;
+      const auto property = definition->Definition().PropertyDefinition();
+      const auto part = property.IsNull() ? nullptr : property->Definition().ProductDefinition();
+      if (!part.IsNull() && !part->Formation().IsNull() && !part->Formation()->OfProduct().IsNull())
+        return sound_name(part->Formation()->OfProduct()->Name());
+    }
   }
+  return {};
+}
+
+void read_names(const STEPControl_Reader& reader, OcctShape& result) {
+  const auto process = reader.WS()->TransferReader()->TransientProcess();
+  const Interface_Graph graph(reader.WS()->Model());
+  const auto put = [](OcctTexts& texts, const TopoDS_Shape& shape, const std::string& name) {
+    if (!name.empty()) texts.try_emplace(shape.TShape().get(), name);
+  };
+  for (int i = 1; i <= process->NbMapped(); ++i) {
+    const auto item = Handle(StepRepr_RepresentationItem)::DownCast(process->Mapped(i));
+    if (item.IsNull()) continue;
+    const TopoDS_Shape shape = TransferBRep::ShapeResult(process, item);
+    if (shape.IsNull()) continue;
+    if (shape.ShapeType() == TopAbs_FACE) put(result.names, shape, sound_name(item->Name()));
+    if (shape.ShapeType() != TopAbs_SOLID) continue;
+    put(result.solid_names, shape, sound_name(item->Name()));
+    put(result.part_names, shape, part_with(graph, item));
+  }
+}
+
+/// The largest uncertainty of lengths that the text states, millimeters, if the first unit of lengths is that of all.
+double stated_tolerance(const STEPControl_Reader& reader, std::string unit) {
+  std::transform(unit.begin(), unit.end(), unit.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  constexpr std::array<std::pair<std::string_view, double>, 5> others{
+      {{"metre", 1000.0}, {"centimetre", 10.0}, {"micrometre", 1e-3}, {"inch", 25.4}, {"foot", 304.8}}};
+  double length = 1;
+  for (const auto& [name, millimeters] : others)
+    if (name == unit) length = millimeters;
+  double largest = 0;
+  const auto model = reader.WS()->Model();
+  for (int i = 1; i <= model->NbEntities(); ++i)
+    if (const auto measure = Handle(StepBasic_UncertaintyMeasureWithUnit)::DownCast(model->Value(i)); !measure.IsNull())
+      largest = std::max(largest, length * measure->ValueComponent());
+  return std::isfinite(largest) ? largest : 0;
 }
 
 /// Colors of bodies and shells first: those of their faces count more and come later.
@@ -154,7 +227,7 @@ void read_face_colors(STEPControl_Reader& reader, OcctShape& result) {
       std::string text = Quantity_Color::ColorToHex(color).ToCString();
       std::transform(text.begin(), text.end(), text.begin(),
                      [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-      for (TopExp_Explorer e(shape, TopAbs_FACE); e.More(); e.Next()) result.colors.emplace_back(e.Current(), text);
+      for (TopExp_Explorer e(shape, TopAbs_FACE); e.More(); e.Next()) result.colors[e.Current().TShape().get()] = text;
     }
 }
 
@@ -187,8 +260,8 @@ OcctShape read_step(const std::string& text) {
   TopExp::MapShapes(result.shape, TopAbs_FACE, faces);
   if (const int n = count_faces(reader, of_shapes); faces.Size() < n)
     throw Error(fmt::format("expected {} faces, as the STEP text has, found {} that could be read", n, faces.Size()));
-  read_names(reader, result.shape, TopAbs_FACE, result.names);
-  read_names(reader, result.shape, TopAbs_SOLID, result.solid_names);
+  result.tolerance = stated_tolerance(reader, result.unit);
+  read_names(reader, result);
   read_face_colors(reader, result);
   return result;
 }
@@ -203,6 +276,11 @@ OcctShape read_brep(std::string_view text) {
 }
 
 }  // namespace
+
+std::string text_of(const OcctTexts& texts, const TopoDS_Shape& shape) {
+  const auto found = texts.find(shape.TShape().get());
+  return found == texts.end() ? std::string() : found->second;
+}
 
 OcctShape read_occt_shape(std::string_view text) {
   if (is_iges(text)) return read_iges(text);

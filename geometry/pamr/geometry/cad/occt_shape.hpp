@@ -2,20 +2,27 @@
 #pragma once
 
 #include <TopoDS_Shape.hxx>
+#include <TopoDS_TShape.hxx>
 #include <string>
 #include <string_view>
-#include <utility>
-#include <vector>
+#include <unordered_map>
 
 namespace pamr::geometry {
+
+/// Texts of faces or solids, by what the places of one part in an assembly have in common.
+using OcctTexts = std::unordered_map<const TopoDS_TShape*, std::string>;
+/// The text of a shape, empty where it has none.
+std::string text_of(const OcctTexts& texts, const TopoDS_Shape& shape);
 
 /// The shape in a CAD file, lengths in millimeters.
 struct OcctShape {
   TopoDS_Shape shape;
-  std::string unit;                                         ///< length unit of the file, empty where it does not say
-  std::vector<std::pair<TopoDS_Shape, std::string>> names;  ///< of faces that have one
-  std::vector<std::pair<TopoDS_Shape, std::string>> solid_names;  ///< of solids that have one
-  std::vector<std::pair<TopoDS_Shape, std::string>> colors;       ///< of faces, "#rrggbb" (sRGB)
+  std::string unit;            ///< length unit of the file, empty where it does not say
+  double tolerance = 0;        ///< that the file states, 0 where it does not
+  OcctTexts names;             ///< of faces that have one
+  OcctTexts solid_names;       ///< of solids that have one
+  OcctTexts part_names;        ///< of solids: that of the part (product) of a STEP file
+  OcctTexts colors;            ///< of faces, "#rrggbb" (sRGB)
   bool is_as_written = false;  ///< its curves were taken from the file, not made or mended by the reader of a format
 };
 

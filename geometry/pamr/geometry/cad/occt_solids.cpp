@@ -88,25 +88,33 @@ class Contacts {
 
 }  // namespace
 
-CadSolids solids_of(const OcctShape& read, double scale) {
+Vec3 middle_of_shape(const TopoDS_Shape& shape, double scale) {
+  const auto p = middle_of(box_of_shape(shape));
+  return {scale * p.X(), scale * p.Y(), scale * p.Z()};
+}
+
+CadSolids solids_of(const OcctShape& read, double scale, bool with_contacts) {
   CadSolids result;
-  const auto scaled = [scale](const gp_Pnt& p) { return Vec3{scale * p.X(), scale * p.Y(), scale * p.Z()}; };
   TopTools_IndexedMapOfShape solids, faces, of_solids;
   TopExp::MapShapes(read.shape, TopAbs_SOLID, solids);
   TopExp::MapShapes(read.shape, TopAbs_FACE, faces);
   for (int s = 1; s <= solids.Size(); ++s) {
     TopExp::MapShapes(solids(s), TopAbs_FACE, of_solids);
-    const auto name = std::find_if(read.solid_names.begin(), read.solid_names.end(),
-                                   [&](const auto& known) { return known.first.IsSame(solids(s)); });
-    result.solid.push_back(
-        {name == read.solid_names.end() ? "" : name->second, scaled(middle_of(box_of_shape(solids(s))))});
+    auto& solid = result.solid.emplace_back();
+    solid.name = text_of(read.solid_names, solids(s));
+    solid.middle = middle_of_shape(solids(s), scale);
+    for (TopExp_Explorer e(solids(s), TopAbs_FACE); e.More(); e.Next()) {
+      const int f = faces.FindIndex(e.Current());
+      solid.sides.push_back({f - 1, e.Current().Orientation() != faces(f).Orientation()});
+    }
     GProp_GProps inside;
     BRepGProp::VolumeProperties(solids(s), inside);
-    result.volume += scale * scale * scale * std::abs(inside.Mass());
+    solid.volume = scale * scale * scale * std::abs(inside.Mass());
+    result.volume += solid.volume;
   }
   for (int f = 1; f <= faces.Size(); ++f)
-    if (!of_solids.Contains(faces(f))) result.loose_face.push_back({f - 1, scaled(middle_of(box_of_shape(faces(f))))});
-  if (solids.Size() > 1) result.contact = Contacts(solids, scale).find();
+    if (!of_solids.Contains(faces(f))) result.loose_face.push_back({f - 1, middle_of_shape(faces(f), scale)});
+  if (with_contacts && solids.Size() > 1) result.contact = Contacts(solids, scale).find();
   return result;
 }
 

@@ -39,8 +39,11 @@ const CadReader& reader() {
 
 bool can_read_cad() { return true; }
 CadData read_cad(std::string_view text, double scale) { return reader().read(text, scale); }
-CadTriangles triangulate_cad(std::string_view text, double scale, double deflection) {
-  return reader().triangulate(text, scale, deflection);
+CadTriangles triangulate_cad(std::string_view text, double scale, double deflection, bool is_assembly) {
+  return reader().triangulate(text, scale, deflection, is_assembly);
+}
+CadAssembly assemble_cad(std::string_view text, double scale, std::span<const std::string> chosen) {
+  return reader().assemble(text, scale, chosen);
 }
 CadMeasures measure_cad(std::string_view text, double scale) { return reader().measure(text, scale); }
 
@@ -58,7 +61,12 @@ namespace {
 
 bool can_read_cad() { return false; }
 CadData read_cad(std::string_view /*text*/, double /*scale*/) { refuse_cad(); }
-CadTriangles triangulate_cad(std::string_view /*text*/, double /*scale*/, double /*deflection*/) { refuse_cad(); }
+CadTriangles triangulate_cad(std::string_view /*text*/, double /*scale*/, double /*deflection*/, bool /*is_assembly*/) {
+  refuse_cad();
+}
+CadAssembly assemble_cad(std::string_view /*text*/, double /*scale*/, std::span<const std::string> /*chosen*/) {
+  refuse_cad();
+}
 CadMeasures measure_cad(std::string_view /*text*/, double /*scale*/) { refuse_cad(); }
 
 #endif
