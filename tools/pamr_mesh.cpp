@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "cli/run_tool.hpp"
 #include "meshing/cad_case.hpp"
@@ -21,6 +22,7 @@ using namespace pamr;
 
 struct Options {
   std::string case_file, shape, output, unit = geometry::usual_cad_unit;
+  std::vector<std::string> solids;
   int n = 0;
   double size = 0;
   int format = io::newest_format;
@@ -41,6 +43,10 @@ void declare(cli::CommandLine& line, Options& options) {
       .positive();
   line.option("--unit", options.unit, "of the mesh of a STEP, IGES or BREP file: mm, cm, m, um, in or ft")
       .show_default();
+  line.option("--solid", options.solids,
+              "name of a solid of a STEP, IGES or BREP file to take, with its number where several have one name, or "
+              "without it: all of these; may be given several times (default all solids)")
+      .one_at_a_time();
   line.option("-o,--output", options.output, "mesh to write (.hdf)").required();
   line.option("--format", options.format, cli::format_help).range(io::oldest_format, io::newest_format).show_default();
   line.flag("--force", options.force, cli::force_help);
@@ -70,6 +76,7 @@ void require_consistent(const Options& o) {
         "expected --size with --shape or a STEP, IGES or BREP file only, and not with kuhn-cube; a case file has sizes "
         "of its own");
   if (!geometry::is_cad_unit(o.unit)) throw Error("--unit: expected mm, cm, m, um, in or ft, found " + o.unit);
+  if (!o.solids.empty() && !is_cad) throw Error("expected --solid with a STEP, IGES or BREP file only");
   if (o.unit != geometry::usual_cad_unit && !is_cad)
     throw Error("expected --unit with a STEP, IGES or BREP file only; a case file has unit in its [[surface]]");
 }
@@ -81,7 +88,7 @@ meshing::LevelZero make(const cli::Session& session, const Options& options, con
   meshing::MeshCase mesh_case;
   const bool is_cad = geometry::is_cad_file(options.case_file);
   par::agree(comm, [&] {  // it may read surface files
-    mesh_case = is_cad                  ? meshing::case_of_cad(options.case_file, options.size, options.unit)
+    mesh_case = is_cad ? meshing::case_of_cad(options.case_file, {options.unit, options.size, options.solids})
                 : options.shape.empty() ? meshing::read_mesh_case(text, options.case_file)
                                         : meshing::case_of_shape(options.shape, options.size);
   });
@@ -93,6 +100,12 @@ meshing::LevelZero make(const cli::Session& session, const Options& options, con
   return meshing::make_mesh(comm, mesh_case,
                             {show, [&](const std::string& warning) { session.warn(warning); },
                              [&](const std::string& note) { session.note(note); }});
+}
+
+/// " of the body's 6.28 (-1.2 %)"; empty where the body's volume is not known.
+std::string beside_body(double volume, double body_volume) {
+  if (!(body_volume > 0)) return {};
+  return fmt::format(" of the body's {:.6g} ({:+.1f} %)", body_volume, 100 * (volume / body_volume - 1));
 }
 
 cli::ExitCode make_mesh(cli::Session& session, const Options& options) {
@@ -111,12 +124,15 @@ cli::ExitCode make_mesh(cli::Session& session, const Options& options) {
   io::write_native(comm, options.output, made.mesh, {.format = options.format});
 
   const auto summary = meshing::summary_of(comm, made.mesh);
-  nlohmann::json patches, body_volume;
-  std::string volume = fmt::format(", volume {:.6g}", summary.volume);
-  if (made.body_volume > 0) {
-    body_volume = made.body_volume;
-    volume += fmt::format(" of the body's {:.6g} ({:+.1f} %)", made.body_volume,
-                          100 * (summary.volume / made.body_volume - 1));
+  nlohmann::json patches, body_volume, regions = nlohmann::json::object();
+  std::vector<std::string> lines;  // of regions
+  if (made.body_volume > 0) body_volume = made.body_volume;
+  for (std::size_t r = 0; r < made.region_volumes.size(); ++r) {
+    const double volume = summary.region_volumes[r], of_solids = made.region_volumes[r];
+    regions[info.regions[r].name] = {
+        {"number", info.regions[r].number}, {"volume", volume}, {"body_volume", of_solids}};
+    lines.push_back(fmt::format("region {} {}: volume {:.6g}{}", info.regions[r].number, info.regions[r].name, volume,
+                                beside_body(volume, of_solids)));
   }
   for (std::size_t p = 0; p < info.patches.size(); ++p) patches[info.patches[p].name] = {{"faces", summary.faces[p]}};
   session.write_report({{"cells", info.n_global_cells},
@@ -125,10 +141,13 @@ cli::ExitCode make_mesh(cli::Session& session, const Options& options) {
                         {"volume", summary.volume},
                         {"body_volume", body_volume},
                         {"patches", patches},
+                        {"regions", regions},
                         {"split_edges", made.split_edges},
                         {"split_faces", made.split_faces}});
-  session.summary(fmt::format("{} cells, {} nodes, smallest mean ratio {:.3f}{} -> {}", info.n_global_cells,
-                              info.n_global_nodes, summary.min_mean_ratio, volume, options.output));
+  session.summary(fmt::format("{} cells, {} nodes, smallest mean ratio {:.3f}, volume {:.6g}{} -> {}",
+                              info.n_global_cells, info.n_global_nodes, summary.min_mean_ratio, summary.volume,
+                              beside_body(summary.volume, made.body_volume), options.output));
+  for (const auto& line : lines) session.summary(line);
   return cli::ExitCode::done;
 }
 
@@ -141,7 +160,7 @@ int main(int argc, char** argv) {
       {"pamr-mesh", "Makes a level-0 mesh of tetrahedra.",
        "pamr-mesh --shape kuhn-cube --n 8 -o cube.hdf\npamr-mesh --shape sphere-in-box --size 0.28 -o sphere.hdf\n"
        "pamr-mesh part.step -o part.hdf --size 2",
-       cli::files_in_case},
+       cli::files_in_case, true},
       [&](cli::CommandLine& line) { declare(line, options); },
       [&](cli::Session& session) { return make_mesh(session, options); });
 }

@@ -33,7 +33,7 @@ geometry::CadTriangles triangles_of(const geometry::CadModel& model, double long
   constexpr double finest = 1e-5, coarsest = 1e-3;
   const auto& origin = model.origin();
   return geometry::triangulate_cad(*origin.text, origin.scale,
-                                   std::clamp(longest_error / model.size(), finest, coarsest));
+                                   std::clamp(longest_error / model.size(), finest, coarsest), origin.is_assembly);
 }
 
 /// Points of an edge between two parameters, without the first.
@@ -58,13 +58,15 @@ Polyline polyline_of(const geometry::CadEdge& edge, double sagitta) {
   return points;
 }
 
-[[noreturn]] void refuse_open(const geometry::CadModel& model, std::int64_t n_open, Vec3 where, int face) {
+[[noreturn]] void refuse_open(const geometry::CadModel& model, const ClosedTriangles& triangles, int face) {
   const auto& name = model.faces()[at(face)].data().name;
   throw Error(fmt::format(
-      "expected a closed shape, found one that is open at {} places, the first near ({:.6g}, {:.6g}, {:.6g}) at face "
-      "{}{}: sew it with gmsh part.step -setnumber Geometry.OCCSewFaces 1 -setnumber Geometry.OCCMakeSolids 1 "
-      "-0 -o sewn.brep, and mesh sewn.brep; or export a solid",
-      n_open, where.x, where.y, where.z, face + 1, name.empty() ? "" : " \"" + name + "\""));
+      "expected a closed shape, found one that is open at {} places{}, the first near {} at face {}{}: sew it with "
+      "gmsh "
+      "part.step -setnumber Geometry.OCCSewFaces 1 -setnumber Geometry.OCCMakeSolids 1 -0 -o sewn.brep, and mesh "
+      "sewn.brep; or export a solid",
+      triangles.n_open(), model.n_solids() > 0 ? "" : " (shells without a solid)",
+      geometry::decimal(triangles.open_point()), face + 1, name.empty() ? "" : " \"" + name + "\""));
 }
 
 std::string label_of(const geometry::CadSolids& solids, int number) {
@@ -82,92 +84,130 @@ void require_solids(const geometry::CadSolids& solids) {
       pairs += fmt::format("{}{} {} {}, at {}", pairs.empty() ? "" : "; ", label_of(solids, c.first),
                            c.is_nested ? "lies inside of" : "touches or overlaps", label_of(solids, c.second),
                            geometry::decimal(c.where));
-    throw Error(
-        fmt::format("expected one solid, or solids clear of one another, found {} of which {}: several materials in "
-                    "one mesh are not "
-                    "possible yet; unite the solids, cut the inner one out of the outer one, or export one of them",
-                    n, pairs));
+    throw Error(fmt::format(
+        "expected one solid, or solids clear of one another, found {} of which {}: `pamr-mesh` given the file itself, "
+        "without a case, makes a region of each; or unite the solids, cut the inner one out of the outer one, or "
+        "export "
+        "one of them",
+        n, pairs));
   }
-  if (n == 0 || solids.loose_face.empty()) return;
-  const auto& face = solids.loose_face.front();
-  const bool is_one = solids.loose_face.size() == 1;
-  throw Error(fmt::format(
-      "expected solids alone, found {} solid{}, and {} face{} that belong{} to none, {}at {} (face {}): take "
-      "{} out of the file",
-      n, n == 1 ? "" : "s", solids.loose_face.size(), is_one ? "" : "s", is_one ? "s" : "", is_one ? "" : "the first ",
-      geometry::decimal(face.where), face.face + 1, is_one ? "it" : "them"));
+  if (n > 0) require_no_loose_faces(n, solids.loose_face);
 }
 
 }  // namespace
+
+void require_no_loose_faces(std::size_t n_solids, const std::vector<geometry::CadLooseFace>& loose) {
+  if (loose.empty()) return;
+  const auto& face = loose.front();
+  const bool is_one = loose.size() == 1;
+  throw Error(
+      fmt::format("expected solids alone, found {} solid{}, and {} face{} that belong{} to none, {}at {} (face {}): a "
+                  "shell without "
+                  "a solid bounds no region; take {} out of the file",
+                  n_solids, n_solids == 1 ? "" : "s", loose.size(), is_one ? "" : "s", is_one ? "s" : "",
+                  is_one ? "" : "the first ", geometry::decimal(face.where), face.face + 1, is_one ? "it" : "them"));
+}
 
 CadBody::CadBody(std::shared_ptr<const geometry::CadModel> model, double longest_error)
     : model_(std::move(model)), faces_(model_, all_faces(*model_)) {
   const auto triangles = triangles_of(*model_, longest_error);
   require_solids(triangles.solids);
-  volume_ = triangles.solids.volume;
-  add_normals(triangles);
+  point_ = triangles.point;
+  corner_ = triangles.corner;
+  face_ = triangles.face;
+  for (const auto& solid : triangles.solids.solid) volume_.push_back(solid.volume);
+  second_solid_.assign(model_->faces().size(), -1);
+  if (model_->origin().is_assembly)
+    add_solids(triangles.solids);
+  else
+    add_inside(corner_, face_);
   find_tips();
   add_lines(longest_error);
 }
 
-void CadBody::add_normals(const geometry::CadTriangles& triangles) {
-  point_ = triangles.point;
-  corner_ = triangles.corner;
-  face_ = triangles.face;
-  vertex_normal_.resize(point_.size());
-  side_normal_.resize(corner_.size());
-  std::map<std::pair<int, int>, std::size_t> side;  // directed, with 3 t + the corner opposite
-  std::vector<std::array<Vec3, 3>> soup;
+void CadBody::add_inside(std::span<const std::array<int, 3>> corner, std::span<const int> face) {
+  const auto& added = inside_.emplace_back(point_, corner);
+  if (added.n_open() > 0) refuse_open(*model_, added, face[at(added.open_triangle())]);
+}
+
+void CadBody::add_solids(const geometry::CadSolids& solids) {
+  std::vector<std::vector<std::size_t>> triangles_of_face(model_->faces().size());
+  for (std::size_t t = 0; t < face_.size(); ++t) triangles_of_face[at(face_[t])].push_back(t);
+  std::vector<bool> has_solid(model_->faces().size(), false);
+  for (std::size_t s = 0; s < solids.solid.size(); ++s) {
+    std::vector<std::array<int, 3>> corner;
+    std::vector<int> face;
+    for (const auto& side : solids.solid[s].sides) {
+      for (const auto t : triangles_of_face[at(side.face)]) {
+        const auto& [a, b, c] = corner_[t];
+        corner.push_back(side.is_flipped ? std::array{a, c, b} : corner_[t]);
+        face.push_back(side.face);
+      }
+      if (has_solid[at(side.face)]) second_solid_[at(side.face)] = static_cast<int>(s);
+      has_solid[at(side.face)] = true;
+    }
+    add_inside(corner, face);
+  }
+  std::vector<std::array<Vec3, 3>> all, outer;
   for (std::size_t t = 0; t < corner_.size(); ++t) {
-    const auto p = [&](std::size_t k) { return point_[at(corner_[t][k % 3])]; };
-    soup.push_back({p(0), p(1), p(2)});
-    const Vec3 n = cross(p(1) - p(0), p(2) - p(0));
-    const double length = norm(n);
-    normal_.push_back(length > 0 ? 1 / length * n : n);
-    for (std::size_t k = 0; k < 3; ++k) {
-      const Vec3 a = p(k + 1) - p(k), b = p(k + 2) - p(k);
-      auto& sum = vertex_normal_[at(corner_[t][k])];
-      sum = sum + std::atan2(norm(cross(a, b)), dot(a, b)) * normal_.back();
-      side.try_emplace({corner_[t][(k + 1) % 3], corner_[t][(k + 2) % 3]}, 3 * t + k);
+    const auto& [a, b, c] = corner_[t];
+    all.push_back({point_[at(a)], point_[at(b)], point_[at(c)]});
+    if (is_between_solids(face_[t])) continue;
+    outer.push_back(all.back());
+    outer_face_.push_back(face_[t]);
+  }
+  all_ = std::make_unique<const geometry::TriangleTree>(all);
+  outer_ = std::make_unique<const geometry::TriangleTree>(outer);
+}
+
+int CadBody::solid_at(Vec3 point) const {
+  int deepest = -1, touched = -1, n_touched = 0;
+  double least = 0;
+  for (std::size_t s = 0; s < inside_.size(); ++s) {
+    if (!inside_[s].box().contains(point)) continue;
+    const double distance = inside_[s].signed_distance(point);
+    if (distance < least) {
+      least = distance;
+      deepest = static_cast<int>(s);
+    } else if (distance == 0 && n_touched++ == 0) {
+      touched = static_cast<int>(s);
     }
   }
-  std::int64_t n_open = static_cast<std::int64_t>(3 * corner_.size() - side.size());  // two with one direction
-  std::size_t first = 0;
-  for (const auto& [ends, place] : side) {
-    const auto other = side.find({ends.second, ends.first});
-    if (other == side.end()) {
-      if (n_open++ == 0) first = place;
-      continue;
-    }
-    side_normal_[place / 3][place % 3] = normal_[place / 3] + normal_[other->second / 3];
-  }
-  if (n_open > 0) refuse_open(*model_, n_open, point_[at(corner_[first / 3][(first + 1) % 3])], face_[first / 3]);
-  tree_ = std::make_unique<const geometry::TriangleTree>(soup);
+  return deepest < 0 && n_touched > 1 ? touched : deepest;
 }
 
 double CadBody::signed_distance(Vec3 point) const {
-  const auto hit = tree_->nearest(point);
-  const auto t = at(hit.triangle);
-  const Vec3 a = point_[at(corner_[t][0])], b = point_[at(corner_[t][1])], c = point_[at(corner_[t][2])];
-  constexpr double rounding = 1e-12;
-  const std::array<double, 3> weight{1 - hit.u - hit.v, hit.u, hit.v};
-  const auto is_zero = [&](std::size_t k) { return weight[k] < rounding; };
-  const auto n_zero = is_zero(0) + is_zero(1) + is_zero(2);
-  Vec3 outward = normal_[t];
-  if (n_zero == 1) outward = side_normal_[t][is_zero(0) ? 0 : is_zero(1) ? 1 : 2];
-  if (n_zero == 2) outward = vertex_normal_[at(corner_[t][!is_zero(0) ? 0 : !is_zero(1) ? 1 : 2])];
-  const Vec3 from_foot = point - (weight[0] * a + weight[1] * b + weight[2] * c);
-  const double distance = norm(from_foot);
-  return dot(from_foot, outward) < 0 ? -distance : distance;
+  if (!all_) return inside_.front().signed_distance(point);
+  const auto [triangle, u, v] = all_->nearest(point);
+  const auto& [a, b, c] = corner_[at(triangle)];
+  const double distance = norm(point - ((1 - u - v) * point_[at(a)] + u * point_[at(b)] + v * point_[at(c)]));
+  return solid_at(point) >= 0 ? -distance : distance;
+}
+
+Vec3 CadBody::normal(Vec3 point) const {
+  const Vec3 outward = faces_.normal(point);
+  if (!all_) return outward;
+  const int second = second_solid_[at(piece_at(point))];
+  return second >= 0 && second == solid_at(point) ? -1.0 * outward : outward;
 }
 
 std::vector<std::array<Vec3, 3>> CadBody::triangles() const {
   std::vector<std::array<Vec3, 3>> result;
-  for (const auto& [a, b, c] : corner_) result.push_back({point_[at(a)], point_[at(b)], point_[at(c)]});
+  for (std::size_t t = 0; t < corner_.size(); ++t) {
+    const auto& [a, b, c] = corner_[t];
+    result.push_back({point_[at(a)], point_[at(b)], point_[at(c)]});
+    if (is_between_solids(face_[t])) result.push_back({point_[at(a)], point_[at(c)], point_[at(b)]});
+  }
   return result;
 }
 
-int CadBody::piece_at(Vec3 point) const { return face_[at(tree_->nearest(point).triangle)]; }
+int CadBody::piece_at(Vec3 point) const {
+  return face_[at(all_ ? all_->nearest(point).triangle : inside_.front().nearest(point))];
+}
+
+int CadBody::outer_piece_at(Vec3 point) const {
+  return outer_ ? outer_face_[at(outer_->nearest(point).triangle)] : piece_at(point);
+}
 
 std::shared_ptr<const geometry::Surface> CadBody::piece(int number) const {
   return std::make_shared<geometry::CadSurface>(model_, std::vector<int>{number});

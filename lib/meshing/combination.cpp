@@ -244,6 +244,7 @@ void add_pieces(const std::shared_ptr<const Pieces>& pieces, const Bodies& bodie
       patch = known = known < 0 ? patch : known;
     }
     domain.pieces.push_back({patch, [pieces, shape = piece.shape](Vec3 p) { return shape->project(p); }});
+    if (!c.regions.name.empty()) domain.pieces.back().region = c.regions.of_face[at(std::max(0, piece.number))];
   }
 }
 
@@ -297,11 +298,42 @@ void measure_boundary(const Thicknesses& thickness, Domain& domain) {
     }
 }
 
-/// Volume of the region if it is the inside of one closed body, 0 where that is not known.
-double volume_of(const Solid& solid) {
-  if (solid.n_surfaces() != 1 || !solid.region.contains(0) || solid.region.contains(1)) return 0;
-  if (const auto* body = dynamic_cast<const CadBody*>(&solid.surface(0))) return body->volume();
-  return 0;
+/// The CAD shape that is the only surface of a solid, if the solid is its inside; else null.
+const CadBody* only_body(const Solid& solid) {
+  if (solid.n_surfaces() != 1 || !solid.region.contains(0) || solid.region.contains(1)) return nullptr;
+  return dynamic_cast<const CadBody*>(&solid.surface(0));
+}
+
+/// Names and volumes of the regions, and the volume of all where the domain is the inside of a CAD shape.
+void add_regions(const Solid& solid, const AssemblyRegions& regions, Domain& domain) {
+  for (const auto& name : regions.name) domain.regions.push_back({name, 0});
+  const auto* body = only_body(solid);
+  if (body == nullptr) return;
+  for (std::size_t s = 0; s < body->volumes().size(); ++s) {
+    domain.volume += body->volumes()[s];
+    if (!domain.regions.empty()) domain.regions[at(regions.of_solid[s])].volume += body->volumes()[s];
+  }
+}
+
+/// `Domain::label` of a solid.
+std::function<int(Vec3)> labels_of(const std::shared_ptr<const Solid>& solid,
+                                   const std::shared_ptr<const Pieces>& pieces, const AssemblyRegions& regions) {
+  const auto* body = regions.name.empty() ? nullptr : only_body(*solid);
+  if (body == nullptr) {
+    const auto deep = InsideGrid::is_exact_for(*solid) ? std::make_shared<InsideGrid>(solid) : nullptr;
+    return [solid, pieces, deep](Vec3 p) {
+      if (deep && deep->holds(p)) return Domain::inside;
+      const int surface = solid->label(p);
+      return surface < 0 ? Domain::inside : pieces->nearest(surface, p);
+    };
+  }
+  const auto deep = std::make_shared<InsideGrid>(
+      solid, [body, of_solid = regions.of_solid](Vec3 p) { return of_solid[at(body->solid_at(p))]; });
+  return [solid, pieces, deep, body, of_solid = regions.of_solid](Vec3 p) {
+    if (const int region = deep->region_at(p); region >= 0) return Domain::in_region(region);
+    const int inside = body->solid_at(p);
+    return inside >= 0 ? Domain::in_region(of_solid[at(inside)]) : pieces->of_part(0, body->outer_piece_at(p));
+  };
 }
 
 double shortest_edge(const Combination& c) {
@@ -335,15 +367,10 @@ Domain combine(const Combination& c, const std::string& where) {
   require_within_bounds(*solid, where);
   require_some_within_bounds(*solid, samples, where);
   Domain domain;
-  const auto deep = InsideGrid::is_exact_for(*solid) ? std::make_shared<InsideGrid>(solid) : nullptr;
-  domain.label = [solid, pieces, deep](Vec3 p) {
-    if (deep && deep->holds(p)) return Domain::inside;
-    const int surface = solid->label(p);
-    return surface < 0 ? Domain::inside : pieces->nearest(surface, p);
-  };
+  domain.label = labels_of(solid, pieces, c.regions);
   const auto thickness = thicknesses_of(*solid, c);
   domain.size = size_field(solid, c, thickness, where);
-  domain.volume = volume_of(*solid);
+  add_regions(*solid, c.regions, domain);
   add_pieces(pieces, bodies, c, domain);
   domain.curves = with_place([&] { return trace_feature_curves(solid, pieces, samples); });
   for (auto& crease : pieces->creases()) domain.curves.push_back(std::move(crease));

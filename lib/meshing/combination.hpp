@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <string>
 #include <utility>
 #include <vector>
@@ -8,6 +9,13 @@
 #include "meshing/meshing_domain.hpp"
 
 namespace pamr::meshing {
+
+/// The regions that the solids of a CAD assembly are, of which a combination has no other surface.
+struct AssemblyRegions {
+  std::vector<std::string> name;            ///< none: one region without a name
+  std::vector<int> of_solid;                ///< of each solid of the shape
+  std::vector<std::array<int, 2>> of_face;  ///< at the sides of each face of the shape; the second -1: outside
+};
 
 /// A region bounded by surfaces, as a case file describes it.
 struct Combination {
@@ -28,6 +36,8 @@ struct Combination {
   double thickness_factor = 0;
   /// Wanted edge lengths up to one such length from a surface; they grow from there.
   std::vector<std::pair<std::string, double>> near;
+
+  AssemblyRegions regions;
 
   bool has_cad() const;  ///< whether one of the surfaces is on a CAD shape
 };

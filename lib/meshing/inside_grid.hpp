@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -13,21 +14,29 @@ namespace pamr::meshing {
 /// Places are looked at when they are first asked for; what is answered depends on no earlier question. For one thread.
 class InsideGrid {
  public:
-  /// Pre: the distances from all surfaces are exact (`is_exact_for`).
-  explicit InsideGrid(std::shared_ptr<const Solid> solid);
+  /// `region`: of a point in the solid, where faces divide it, from 0 on. Pre: the distances from all surfaces are exact
+  /// (`is_exact_for`).
+  explicit InsideGrid(
+      std::shared_ptr<const Solid> solid, std::function<int(geometry::Vec3)> region = [](geometry::Vec3) { return 0; });
 
   /// CAD shapes by their triangles, and planes.
   static bool is_exact_for(const Solid& solid);
 
-  /// True for points that are known to lie in the solid; false says nothing.
-  bool holds(geometry::Vec3 point);
+  /// The region of points that are known to lie in the solid; -1 says nothing.
+  int region_at(geometry::Vec3 point);
+  bool holds(geometry::Vec3 point) { return region_at(point) >= 0; }
 
  private:
   static constexpr int n = 48;  ///< places along each side of the solid's box
-  double radius_at(geometry::Vec3 place) const;
+  struct Ball {
+    double radius = -1;  ///< negative: not looked at, 0: nothing is known
+    int region = 0;
+  };
+  Ball ball_at(geometry::Vec3 place) const;
 
   std::shared_ptr<const Solid> solid_;
-  std::vector<double> radius_;  ///< n x n x n; negative: not looked at, 0: nothing is known
+  std::function<int(geometry::Vec3)> region_;
+  std::vector<Ball> ball_;  ///< n x n x n
 };
 
 }  // namespace pamr::meshing

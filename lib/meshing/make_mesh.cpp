@@ -25,6 +25,8 @@
 #include "pamr/geometry/tet_shape.hpp"
 #include "pamr/geometry/triangulated/self_intersection.hpp"
 #include "pamr/geometry/triangulated/shells.hpp"
+#include "pamr/mesh/inner_patches.hpp"
+#include "pamr/mesh/region_faces.hpp"
 #include "pamr/par/reproducible_sum.hpp"
 #include "pamr/validate/validate.hpp"
 
@@ -96,7 +98,7 @@ bool differ_in_sizes(const Domain& a, const Domain& b) {
     const int x = i % n - n / 2, y = i / n % n - n / 2, z = i / n / n - n / 2;
     const geometry::Vec3 grid{x + 0.5, y + 0.5, z + 0.5};
     const auto p = a.center + step * grid;
-    if (a.label(p) == Domain::inside && a.size(p) != b.size(p)) return true;
+    if (Domain::region_of(a.label(p)) >= 0 && a.size(p) != b.size(p)) return true;
   }
   return false;
 }
@@ -188,6 +190,7 @@ LevelZero make_mesh(const par::Comm& comm, const MeshCase& mesh_case, const List
   block.info.provenance = describe(mesh_case);
   auto result = finished(comm, std::move(block));
   result.body_volume = domain.volume;
+  for (const auto& region : domain.regions) result.region_volumes.push_back(region.volume);
   return result;
 }
 
@@ -200,15 +203,24 @@ LevelZero make_kuhn_cube(const par::Comm& comm, int n) {
 MeshSummary summary_of(const par::Comm& comm, const mesh::DistMesh& mesh) {
   MeshSummary result;
   result.faces.resize(mesh.info.patches.size());
-  par::ExactSum volume;
+  const auto& regions = mesh.info.regions;
+  const auto* region_of_cell = regions.empty() ? nullptr : mesh::find_regions(mesh);
+  std::vector<par::ExactSum> volume(1 + (region_of_cell == nullptr ? 0 : regions.size()));  // of all, then by region
   for (LocalId c = 0; c < mesh.n_cells(); ++c) {
-    volume.add(geometry::volume(mesh.points(c)));
+    const double here = geometry::volume(mesh.points(c));
+    volume[0].add(here);
+    for (std::size_t r = 1; r < volume.size(); ++r)
+      if (regions[r - 1].number == region_of_cell->integer()[at(c)]) volume[r].add(here);
     result.min_mean_ratio = std::min(result.min_mean_ratio, geometry::mean_ratio(mesh.points(c)));
     for (const auto slot : mesh.cell_to_cell[at(c)])
       if (slot < 0) ++result.faces[at(mesh::slot_to_patch(slot))];
   }
   comm.sum_in_place(result.faces);
-  result.volume = par::reproducible_sums(comm, std::span<par::ExactSum>(&volume, 1)).front();
+  const auto inner = mesh::count_inner_faces(comm, mesh);
+  for (std::size_t p = 0; p < inner.size(); ++p) result.faces[p] += inner[p];
+  const auto sums = par::reproducible_sums(comm, std::span<par::ExactSum>(volume));
+  result.volume = sums.front();
+  result.region_volumes.assign(sums.begin() + 1, sums.end());
   result.min_mean_ratio = comm.min(result.min_mean_ratio);
   return result;
 }

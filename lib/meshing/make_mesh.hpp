@@ -24,6 +24,7 @@ struct Listener {
 struct LevelZero {
   mesh::DistMesh mesh;
   double body_volume = 0;                         ///< of the body that was meshed, where that is known
+  std::vector<double> region_volumes = {};        ///< of the solids of each region; none where it is one region
   std::int64_t split_edges = 0, split_faces = 0;  ///< by `open_wall_ears`
 };
 
@@ -39,9 +40,10 @@ LevelZero make_kuhn_cube(const par::Comm& comm, int n);
 struct MeshSummary {
   double min_mean_ratio = 1;
   double volume = 0;
-  std::vector<std::int64_t> faces;  ///< of each patch
+  std::vector<double> region_volumes;  ///< of each region that has a name
+  std::vector<std::int64_t> faces;     ///< of each patch, on the boundary and inside
 };
-/// Collective: three reductions.
+/// Collective: four reductions.
 MeshSummary summary_of(const par::Comm& comm, const mesh::DistMesh& mesh);
 
 }  // namespace pamr::meshing

@@ -25,8 +25,8 @@
 #include <string>
 #include <utility>
 
+#include "meshing/faces_between_regions.hpp"
 #include "pamr/base/error.hpp"
-#include "pamr/mesh/tet.hpp"
 
 namespace pamr::meshing {
 namespace {
@@ -40,9 +40,9 @@ using Complex =
 using Criteria = CGAL::Mesh_criteria_3<Triangulation>;
 using Edge = std::pair<std::int32_t, std::int32_t>;
 
-// CGAL's labels of space: 1 is the gas, 2 + p lies behind piece p. Its curves count from 1.
-constexpr int gas = 1;
-constexpr int first_piece = 2;
+// CGAL's labels of space: 1 + r is region r, first_piece + p lies behind piece p. Its curves count from 1.
+constexpr int first_region = 1;
+int first_piece(const Domain& domain) { return first_region + domain.n_regions(); }
 
 // The largest radius of a circumscribed ball as a multiple of the wanted edge length: 0.577 and 0.612 are those of the
 // regular triangle and tetrahedron. A bound on edges is one on balls: CGAL lets edges on curves be 1.66 times as long,
@@ -152,9 +152,9 @@ struct SizeField {
 /// inside.
 int label_of(const Domain& domain, geometry::Vec3 point) {
   const auto from_center = point - domain.center;
-  if (!(geometry::norm(from_center) <= domain.radius)) return first_piece;
-  const int piece = domain.label(point);
-  return piece == Domain::inside ? gas : first_piece + piece;
+  if (!(geometry::norm(from_center) <= domain.radius)) return first_piece(domain);
+  const int label = domain.label(point), region = Domain::region_of(label);
+  return region >= 0 ? first_region + region : first_piece(domain) + label;
 }
 
 MeshDomain make_domain(const Domain& domain, CGAL::Random& random, Work& work) {
@@ -165,7 +165,9 @@ MeshDomain make_domain(const Domain& domain, CGAL::Random& random, Work& work) {
     work.ask(from_cgal(point));
     return label_of(domain, from_cgal(point));
   };
-  const std::function<bool(int)> is_outside = [](int index) { return index != gas; };
+  const std::function<bool(int)> is_outside = [first = first_piece(domain)](int index) {
+    return index < first_region || index >= first;
+  };
   MeshDomain result(p::function = label, p::bounding_object = ball, p::relative_error_bound = relative_error,
                     p::p_rng = &random, p::null_subdomain_index = is_outside);
   std::vector<std::vector<Kernel::Point_3>> polylines;
@@ -185,6 +187,12 @@ static_assert(CGAL_VERSION_NR >= 1050500000 && CGAL_VERSION_NR < 1060100000,
               "mesh3.cpp calls CGAL::Mesh_3::internal::C3t3_initializer; expected CGAL 5.5, 5.6 or 6.0, where it was "
               "tried or read: set PAMR_MESHING=OFF, or look at that class and extend this condition");
 
+/// CGAL's labels on both sides of a piece, ascending.
+std::pair<int, int> labels_beside(const Domain& domain, std::size_t piece) {
+  const auto& [first, second] = domain.pieces[piece].region;
+  return {first_region + first, second >= 0 ? first_region + second : first_piece(domain) + static_cast<int>(piece)};
+}
+
 /// What Delaunay refinement starts from: balls along the curves, and points on the pieces without curves. CGAL shoots
 /// rays for these in a domain without any curve and looks for none in the others.
 void start(const Domain& domain, const MeshDomain& mesh_domain, const Criteria& criteria, Complex& complex) {
@@ -195,7 +203,7 @@ void start(const Domain& domain, const MeshDomain& mesh_domain, const Criteria& 
             complex.triangulation().insert(Triangulation::Weighted_point(Kernel::Point_3(q.x, q.y, q.z)));
         if (vertex == Complex::Vertex_handle()) continue;  // hidden by a ball
         complex.set_dimension(vertex, 2);
-        complex.set_index(vertex, mesh_domain.index_from_surface_patch_index({gas, first_piece + static_cast<int>(i)}));
+        complex.set_index(vertex, mesh_domain.index_from_surface_patch_index(labels_beside(domain, i)));
       }
   };
   // Where balls span no space CGAL scatters points of its own, which may lie so near to others that refinement never
@@ -242,13 +250,14 @@ Prediction predict(const Domain& domain) {
   const double step = 2 * domain.radius / n;
   const auto offset = [&](int i) { return (i + 0.5) * step - domain.radius; };
   double cells = 0, nodes = 0;
-  std::vector<char> is_gas(static_cast<std::size_t>(n) * n * n, 0);
+  std::vector<int> region(static_cast<std::size_t>(n) * n * n, 0);  // label, 0: outside
   for (int i = 0; i < n * n * n; ++i) {
     const auto point = domain.center + geometry::Vec3{offset(i % n), offset(i / n % n), offset(i / (n * n))};
-    const bool is_inside = label_of(domain, point) == gas;
-    is_gas[static_cast<std::size_t>(i)] = is_inside ? 1 : 0;
+    const int label = label_of(domain, point);
+    const bool is_inside = label < first_piece(domain);
+    region[static_cast<std::size_t>(i)] = is_inside ? label : 0;
     const auto is_other = [&](int before, bool is_there) {
-      return is_there && (is_gas[static_cast<std::size_t>(i - before)] != 0) != is_inside;
+      return is_there && region[static_cast<std::size_t>(i - before)] != region[static_cast<std::size_t>(i)];
     };
     const int n_crossed = is_other(1, i % n > 0) + is_other(n, i / n % n > 0) + is_other(n * n, i >= n * n);
     if (!is_inside && n_crossed == 0) continue;
@@ -270,20 +279,24 @@ std::string text_of(geometry::Vec3 p) { return fmt::format("({:f}, {:f}, {:f})",
 /// were made, so no order depends on addresses.
 class Extraction {
  public:
-  explicit Extraction(const Complex& complex) : complex_(complex) {
+  Extraction(const Domain& domain, const Complex& complex) : domain_(domain), complex_(complex) {
     for (auto c = complex.cells_in_complex_begin(); c != complex.cells_in_complex_end(); ++c) add_cell(c);
     mesh_.binding.resize(mesh_.point.size());
   }
 
-  RawMesh result(const Domain& domain) && {
+  RawMesh result() && {
     bind_to_curves();
-    bind_to_tips(domain);
+    bind_to_tips();
+    find_pieces_between_regions(
+        domain_, [this](Edge edge) { return feature_edges_.contains(edge); }, mesh_);
     bind_to_pieces();
-    for (std::size_t i = 0; i < domain.pieces.size(); ++i)
-      if (std::none_of(mesh_.face.begin(), mesh_.face.end(),
-                       [i](const BoundaryFace& face) { return face.piece == static_cast<int>(i); }))
-        too_coarse("no face on a piece of \"" + domain.patches[static_cast<std::size_t>(domain.pieces[i].patch)].name +
-                   "\"");
+    std::vector<bool> has_face(domain_.pieces.size(), false);
+    for (const auto* faces : {&mesh_.face, &mesh_.between})
+      for (const auto& face : *faces) has_face[static_cast<std::size_t>(face.piece)] = true;
+    for (std::size_t i = 0; i < has_face.size(); ++i)
+      if (!has_face[i])
+        too_coarse("no face on a piece of \"" +
+                   domain_.patches[static_cast<std::size_t>(domain_.pieces[i].patch)].name + "\"");
     return std::move(mesh_);
   }
 
@@ -296,13 +309,20 @@ class Extraction {
       if (is_new) mesh_.point.push_back(from_cgal(vertex->point().point()));
       cell[static_cast<std::size_t>(i)] = at->second;
     }
+    const int label = complex_.subdomain_index(handle);
+    if (!domain_.regions.empty()) mesh_.region.push_back(label - first_region);
+    const auto number = static_cast<std::int32_t>(mesh_.cell.size()) - 1;
     for (int i = 0; i < 4; ++i) {
-      if (complex_.is_in_complex(handle->neighbor(i))) continue;
+      if (const auto other = handle->neighbor(i); complex_.is_in_complex(other)) {
+        if (label < complex_.subdomain_index(other)) mesh_.between.push_back({number, i, -1});
+        continue;
+      }
       const auto index = complex_.surface_patch_index(handle, i);
-      const int piece = std::max(index.first, index.second) - first_piece;
-      if (std::min(index.first, index.second) != gas || piece < 0)
+      const int piece = std::max(index.first, index.second) - first_piece(domain_);
+      if (piece < 0 ||
+          labels_beside(domain_, static_cast<std::size_t>(piece)) != std::pair(label, first_piece(domain_) + piece))
         too_coarse("a boundary face on no piece of the boundary at " + text_of(mesh_.position(cell[0])));
-      mesh_.face.push_back({static_cast<std::int32_t>(mesh_.cell.size()) - 1, i, piece});
+      mesh_.face.push_back({number, i, piece});
     }
   }
 
@@ -323,8 +343,8 @@ class Extraction {
     }
   }
 
-  void bind_to_tips(const Domain& domain) {
-    for (const auto& tip : domain.tips) {
+  void bind_to_tips() {
+    for (const auto& tip : domain_.tips) {
       const auto same = [&](const auto& entry) { return from_cgal(entry.first->point().point()) == tip; };
       const auto found = std::find_if(number_.begin(), number_.end(), same);
       if (found == number_.end()) too_coarse("no cell at the tip " + text_of(tip));
@@ -334,29 +354,32 @@ class Extraction {
 
   void bind_to_pieces() {
     std::map<Edge, int> piece_of_edge;
-    for (const auto& face : mesh_.face) {
-      std::array<std::int32_t, 3> corner{};
-      for (std::size_t i = 0; i < 3; ++i) {
-        const auto k = mesh::tet::face_to_corner[static_cast<std::size_t>(face.slot)][i];
-        corner[i] = mesh_.cell[static_cast<std::size_t>(face.cell)][static_cast<std::size_t>(k)];
-        auto& binding = mesh_.binding[static_cast<std::size_t>(corner[i])];
-        if (binding.freedom == Freedom::space) binding = {Freedom::piece, face.piece};
-        if (binding.freedom == Freedom::piece && binding.number != face.piece)
-          too_coarse("a node off the feature curves on two pieces at " + text_of(mesh_.position(corner[i])));
-      }
-      for (std::size_t i = 0; i < 3; ++i) {
-        const Edge edge = std::minmax(corner[i], corner[(i + 1) % 3]);
-        const auto [at, is_new] = piece_of_edge.try_emplace(edge, face.piece);
-        const auto feature = feature_edges_.find(edge);
-        if (feature != feature_edges_.end()) ++feature->second;
-        if (!is_new && at->second != face.piece && feature == feature_edges_.end())
-          too_coarse("a border between patches off the feature curves at " + text_of(mesh_.position(edge.first)));
-      }
-    }
+    for (const auto* faces : {&mesh_.face, &mesh_.between})
+      for (const auto& face : *faces) bind_to_piece(face, piece_of_edge);
     for (const auto& [edge, n_faces] : feature_edges_)
-      if (n_faces != 2) too_coarse("a feature edge off the boundary at " + text_of(mesh_.position(edge.first)));
+      if (domain_.regions.empty() ? n_faces != 2 : n_faces < 2)
+        too_coarse("a feature edge off the boundary at " + text_of(mesh_.position(edge.first)));
   }
 
+  void bind_to_piece(const BoundaryFace& face, std::map<Edge, int>& piece_of_edge) {
+    const auto corner = corners_of(mesh_, face);
+    for (const auto node : corner) {
+      auto& binding = mesh_.binding[static_cast<std::size_t>(node)];
+      if (binding.freedom == Freedom::space) binding = {Freedom::piece, face.piece};
+      if (binding.freedom == Freedom::piece && binding.number != face.piece)
+        too_coarse("a node off the feature curves on two pieces at " + text_of(mesh_.position(node)));
+    }
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Edge edge = std::minmax(corner[i], corner[(i + 1) % 3]);
+      const auto [at, is_new] = piece_of_edge.try_emplace(edge, face.piece);
+      const auto feature = feature_edges_.find(edge);
+      if (feature != feature_edges_.end()) ++feature->second;
+      if (!is_new && at->second != face.piece && feature == feature_edges_.end())
+        too_coarse("a border between patches off the feature curves at " + text_of(mesh_.position(edge.first)));
+    }
+  }
+
+  const Domain& domain_;
   const Complex& complex_;
   std::map<Triangulation::Vertex_handle, std::int32_t> number_;
   std::map<Edge, int> feature_edges_;  ///< with the number of boundary faces at each
@@ -410,7 +433,7 @@ RawMesh run_mesh3(const Domain& domain, unsigned seed, const Mesh3Watch& watch) 
   const Silence silence;
   try {
     const auto complex = make_complex(domain, seed, Work(watch, n, predicted.boundary_nodes));
-    auto mesh = Extraction(complex).result(domain);
+    auto mesh = Extraction(domain, complex).result();
     if (mesh.cell.empty()) too_coarse("no cell");
     return mesh;
   } catch (const CGAL::Failure_exception& failure) {

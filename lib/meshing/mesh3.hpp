@@ -29,8 +29,8 @@ struct Mesh3Watch {
   std::function<void(const std::string& why)> slow = [](const std::string&) {};
 };
 
-/// Meshes a domain with CGAL's Delaunay refinement: feature curves protected by balls, boundary faces labelled by the
-/// piece they lie on, slivers perturbed and exuded. Boundary nodes lie on their pieces only to within 1e-6 of the
+/// Meshes a domain with CGAL's Delaunay refinement: feature curves protected by balls, boundary faces and those between
+/// regions labelled by the piece they lie on, slivers perturbed and exuded. Boundary nodes lie on their pieces only to within 1e-6 of the
 /// domain's radius. Local. Throws `Error` when the sizes are too coarse for the domain: a boundary face on no piece, a
 /// border between pieces off the feature curves, a node that two pieces share off them; `MesherFailure` where CGAL
 /// fails or finds no end: more nodes than the sizes can explain, or no new one for a million questions about the domain

@@ -7,6 +7,7 @@
 #include "meshing/sphere_in_box.hpp"
 #include "meshing/supersonic_sphere.hpp"
 #include "pamr/base/error.hpp"
+#include "pamr/base/listed.hpp"
 
 namespace pamr::meshing {
 
@@ -55,6 +56,7 @@ std::string describe(const MeshCase& mesh_case) {
   line += fmt::format(" far {} growth {}", c.far, c.growth);
   if (c.has_cad()) line += fmt::format(" curvature {} least {}", c.curvature, c.least);
   if (c.thickness_factor > 0) line += fmt::format(" thickness {}", c.thickness_factor);
+  if (!c.regions.name.empty()) line += fmt::format(" regions {}", listed(c.regions.name, {.most = all_items}));
   for (const auto& [name, size] : c.near) line += fmt::format(" {} {}", name, size);
   return line + fmt::format(", bounds {} {} {} to {} {} {}, region {}", c.low.x, c.low.y, c.low.z, c.high.x, c.high.y,
                             c.high.z, c.region);

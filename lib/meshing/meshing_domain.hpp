@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <functional>
 #include <string>
 #include <vector>
@@ -20,6 +22,14 @@ struct Piece {
   Nearest nearest;
   /// Where a piece is to be found that no curve touches, or that only curves in one plane touch: some points on it.
   std::vector<geometry::Vec3> start{};
+  std::array<int, 2> region{0, -1};  ///< at its sides, ascending; the second -1: it bounds the domain
+  bool is_inside() const { return region[1] >= 0; }
+};
+
+/// A part of the domain whose cells are known by its name.
+struct DomainRegion {
+  std::string name;
+  double volume = 0;  ///< of the solids that it is, where that is known
 };
 
 /// A curve that mesh edges must follow: a sharp edge of the domain, or the border between two patches of one smooth
@@ -31,10 +41,15 @@ struct FeatureCurve {
 
 /// A part of space to mesh, described without any mesher. Its functions may be called until the last copy is gone.
 struct Domain {
-  /// `inside`, or the piece of the boundary behind which the point lies: a straight path from the gas to it, short
-  /// enough, crosses that piece.
+  /// `in_region` of the region that the point lies in, or the piece of the boundary behind which it lies: a straight
+  /// path from the domain to it, short enough, crosses that piece.
   std::function<int(geometry::Vec3)> label;
-  static constexpr int inside = -1;
+  static constexpr int in_region(int region) { return -1 - region; }
+  static constexpr int region_of(int label) { return -1 - label; }  ///< negative outside
+  static constexpr int inside = -1;                                 ///< `in_region(0)`: of a domain of one region
+  /// Empty: the domain is one region without a name.
+  std::vector<DomainRegion> regions;
+  int n_regions() const { return std::max(1, static_cast<int>(regions.size())); }
   /// Wanted edge length at a point; changes by less than the distance does.
   std::function<double(geometry::Vec3)> size;
   std::vector<Piece> pieces;

@@ -42,12 +42,16 @@ RawMesh ordered(const RawMesh& mesh) {
       node = number;
     }
     result.cell.push_back(cell);
+    if (!mesh.region.empty()) result.region.push_back(mesh.region[old]);
   }
   result.face = mesh.face;
-  for (auto& face : result.face) face.cell = old_to_new_cell[static_cast<std::size_t>(face.cell)];
-  std::sort(result.face.begin(), result.face.end(), [](const BoundaryFace& a, const BoundaryFace& b) {
-    return std::pair(a.cell, a.slot) < std::pair(b.cell, b.slot);
-  });
+  result.between = mesh.between;
+  for (auto* faces : {&result.face, &result.between}) {
+    for (auto& face : *faces) face.cell = old_to_new_cell[static_cast<std::size_t>(face.cell)];
+    std::sort(faces->begin(), faces->end(), [](const BoundaryFace& a, const BoundaryFace& b) {
+      return std::pair(a.cell, a.slot) < std::pair(b.cell, b.slot);
+    });
+  }
   return result;
 }
 

@@ -57,7 +57,7 @@ bool lies_behind(const Domain& domain, const RawMesh& mesh, const Ear& ear) {
   const auto middle = [&](LocalEdge e) { return geometry::midpoint(mesh.position(e.first), mesh.position(e.second)); };
   const Vec3 outer = middle(ear.outer), inner = middle(ear.inner);
   // far from the wall, as in the middle of a ball, the nearest point says nothing
-  if (domain.label(inner) == Domain::inside) return false;
+  if (Domain::region_of(domain.label(inner)) >= 0) return false;
   return geometry::dot(domain.pieces[at(ear.piece)].nearest(inner) - inner, inner - outer) > 0;
 }
 
@@ -77,11 +77,17 @@ int peel_once(const Domain& domain, RawMesh& mesh) {
     const auto n = face_of(mesh, face.cell, face.slot);
     boundary_edges.insert({edge_of(n[0], n[1]), edge_of(n[1], n[2]), edge_of(n[0], n[2])});
   }
+  std::set<LocalFace> between;  // regions: the cell behind such a face is of another one, which ends there
+  for (const auto& face : mesh.between) between.insert(face_of(mesh, face.cell, face.slot));
+  const auto is_between = [&](const Ear& ear) {
+    return std::any_of(ear.hidden.begin(), ear.hidden.end(),
+                       [&](int slot) { return between.contains(face_of(mesh, ear.cell, slot)); });
+  };
   std::vector<bool> gone(mesh.cell.size(), false);
   std::map<LocalFace, int> opened;  // faces behind the cells taken away, and their piece
   int n_gone = 0;
   for (const auto& ear : find_ears(mesh)) {
-    if (boundary_edges.contains(ear.inner) || !lies_behind(domain, mesh, ear)) continue;
+    if (boundary_edges.contains(ear.inner) || is_between(ear) || !lies_behind(domain, mesh, ear)) continue;
     boundary_edges.insert(ear.inner);
     gone[at(ear.cell)] = true;
     ++n_gone;
@@ -97,7 +103,10 @@ int peel_once(const Domain& domain, RawMesh& mesh) {
     if (!gone[c]) {
       old_to_new[c] = static_cast<std::int32_t>(kept.cell.size());
       kept.cell.push_back(mesh.cell[c]);
+      if (!mesh.region.empty()) kept.region.push_back(mesh.region[c]);
     }
+  kept.between = mesh.between;  // of cells that stay
+  for (auto& face : kept.between) face.cell = old_to_new[at(face.cell)];
   for (auto face : mesh.face) {
     face.cell = old_to_new[at(face.cell)];
     if (face.cell >= 0) kept.face.push_back(face);

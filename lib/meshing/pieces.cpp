@@ -67,8 +67,11 @@ void Pieces::add_pieces(int i, const DividedSurface& whole, const std::vector<Ve
 }
 
 int Pieces::nearest(int i, Vec3 p) const {
-  if (number_[pamr::at(i)].empty()) return first_[pamr::at(i)];
-  const int number = number_[pamr::at(i)][pamr::at(whole_[pamr::at(i)]->piece_at(p))];
+  return number_[pamr::at(i)].empty() ? first_[pamr::at(i)] : of_part(i, whole_[pamr::at(i)]->piece_at(p));
+}
+
+int Pieces::of_part(int i, int piece) const {
+  const int number = number_[pamr::at(i)].empty() ? -1 : number_[pamr::at(i)][pamr::at(piece)];
   return number >= 0 ? number : first_[pamr::at(i)];
 }
 

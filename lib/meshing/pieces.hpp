@@ -37,6 +37,8 @@ class Pieces {
 
   /// The piece of surface `i` that is nearest to a point.
   int nearest(int i, geometry::Vec3 p) const;
+  /// The piece that is number `piece` of the divided surface `i`, or the first of `i` where that one bounds nothing.
+  int of_part(int i, int piece) const;
 
   /// The creases of triangulated surfaces, or parts of them, that are edges of the solid.
   std::vector<FeatureCurve> creases() const;

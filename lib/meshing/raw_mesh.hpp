@@ -11,7 +11,8 @@
 
 namespace pamr::meshing {
 
-/// A face of the boundary: the one opposite corner `slot` of `cell`, on piece `piece` of the domain.
+/// A face of the boundary, or between two regions seen from either: the one opposite corner `slot` of `cell`, on piece
+/// `piece` of the domain.
 struct BoundaryFace {
   std::int32_t cell = 0;
   int slot = 0;
@@ -33,6 +34,8 @@ struct RawMesh {
   std::vector<Binding> binding;                   ///< n_nodes
   std::vector<std::array<std::int32_t, 4>> cell;  ///< n_cells x 4 nodes
   std::vector<BoundaryFace> face;                 ///< the faces with a cell on one side only
+  std::vector<int> region;                        ///< n_cells; empty: the domain is one region
+  std::vector<BoundaryFace> between;              ///< the faces between two regions, each from one side
 
   geometry::Vec3 position(std::int32_t node) const { return point[static_cast<std::size_t>(node)]; }
   geometry::TetPoints points(std::size_t c) const {

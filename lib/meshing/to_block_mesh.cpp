@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "pamr/base/error.hpp"
+#include "pamr/mesh/inner_patches.hpp"
 #include "pamr/mesh/tet.hpp"
 
 namespace pamr::meshing {
@@ -57,6 +58,35 @@ Neighbors neighbors_of(const Domain& domain, const RawMesh& mesh) {
   return result;
 }
 
+/// The patches of faces between regions, as `mesh::inner_patch_field` has them: from both sides.
+std::vector<std::int64_t> inner_patches_of(const Domain& domain, const RawMesh& mesh, const Neighbors& neighbors) {
+  std::vector<std::int64_t> word(mesh.cell.size(), 0);
+  for (const auto& face : mesh.between) {
+    const int patch = domain.pieces[static_cast<std::size_t>(face.piece)].patch;
+    const auto cell = static_cast<std::size_t>(face.cell);
+    const auto other = static_cast<std::size_t>(neighbors[cell][static_cast<std::size_t>(face.slot)]);
+    const auto back = std::find(neighbors[other].begin(), neighbors[other].end(), GlobalId{face.cell});
+    word[cell] = mesh::with_inner_patch(word[cell], face.slot, patch);
+    word[other] = mesh::with_inner_patch(word[other], static_cast<int>(back - neighbors[other].begin()), patch);
+  }
+  return word;
+}
+
+/// The regions, by numbers from 1 on, and the faces between them. The same fields on every rank; values on rank 0.
+void add_regions(const Domain& domain, const RawMesh& mesh, mesh::BlockMesh& block) {
+  if (domain.regions.empty()) return;
+  for (const auto& region : domain.regions)
+    block.info.regions.push_back({static_cast<std::int64_t>(block.info.regions.size()) + 1, region.name});
+  std::vector<std::int64_t> number, word;
+  for (const int region : mesh.region) number.push_back(region + 1);
+  const bool has_between =
+      std::any_of(domain.pieces.begin(), domain.pieces.end(), [](const Piece& piece) { return piece.is_inside(); });
+  if (has_between) word = inner_patches_of(domain, mesh, block.cell_to_cell);
+  block.cell_fields.push_back({mesh::region_field, "", 1, mesh::StorageType::int64, std::move(number)});
+  if (has_between)
+    block.cell_fields.push_back({mesh::inner_patch_field, "", 1, mesh::StorageType::int64, std::move(word)});
+}
+
 /// Sends the nodes of rank 0 to their canonical blocks.
 std::vector<geometry::Vec3> scatter(const par::Comm& comm, const std::vector<geometry::Vec3>& all, GlobalId n) {
   std::vector<par::Outgoing<geometry::Vec3>> messages;
@@ -83,6 +113,7 @@ mesh::BlockMesh to_block_mesh(const par::Comm& comm, const Domain& domain, const
     for (const auto& cell : mesh.cell) block.cell_to_node.push_back({cell[0], cell[1], cell[2], cell[3]});
   });
   if (!comm.is_first()) block.first_cell = block.info.n_global_cells;
+  add_regions(domain, mesh, block);
   block.node_position = scatter(comm, mesh.point, block.info.n_global_nodes);
   return block;
 }

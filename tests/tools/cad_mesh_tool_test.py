@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """pamr-mesh makes level 0 from CAD files by itself. data/can.step is a closed can of radius 1 from z = 0 to 2 (face 1 the side, 2
 and 3 top and bottom); data/can.igs is the same as loose faces; data/colored_can.step has a gray side, a red top, a blue bottom;
-data/quarter_can.step is a quarter of a can of radius 10 from z = 0 to 20, data/chamfer_box.brep a box with chamfers, both made by Gmsh."""
+data/quarter_can.step is a quarter of a can of radius 10 from z = 0 to 20, data/chamfer_box.brep a box with chamfers, both made by Gmsh. assembly.step of the unit tests of
+geometry is a housing [0, 2]^3, a ball of radius 0.5 in its middle, and two pegs of side 1, at (2, 0.5, 0.5) and (5, 0, 0)."""
 import json
 import pathlib
 import re
@@ -15,6 +16,7 @@ from tool_run import of_full_level, prepare_alone, refuses, run, run_tests, same
 prepare_alone("pamr-mark")
 
 DATA = pathlib.Path(__file__).resolve().parent / "data"
+ASSEMBLY = DATA.parent.parent / "unit" / "geometry" / "data" / "assembly.step"
 CUBE = DATA.parent.parent / "unit" / "geometry" / "data" / "cube.step"
 FAR_BOX = """
 [mesh]
@@ -220,23 +222,98 @@ def test_only_what_solids_refer_to_may_refuse_a_step_file():
         refuses("pamr-mesh", f"{name}.step", "-o", "a.hdf", "--size", "1", says=[f"{name}.step", "STEP text"], creates="a.hdf")
 
 
-def test_solids_that_are_not_clear_of_one_another_are_named():
-    for name, move, scale, words in (("beside", (1, 0, 0), 1, ["touches or overlaps", "at [1, "]), ("edge", (1, 1, 0), 1, ["touches or overlaps", "at [1, 1, "]),
-                                     ("across", (.5, .25, .25), .5, ["touches or overlaps"]), ("inside", (.25, .25, .25), .5, ["lies inside of", "at [0.5, 0.5, 0.5]"])):
-        refuses("pamr-mesh", step(f"{name}.step", second_cube(move, scale)), "-o", "a.hdf", creates="a.hdf",
-                says=["found 2 of which", "(its middle at [0.5, 0.5, 0.5])", *words])
-    report = run("pamr-mesh", step("clear.step", second_cube((2, 0, 0))), "-o", "a.hdf", "--size", "1", "--json", "-", serial=True).json
-    assert abs(report["volume"] - 2) < 1e-12 and abs(report["body_volume"] - 2) < 1e-9
+def regions_and_faces_inside(mesh):
+    """Volume of each region by its name, and the nodes of the faces of each patch inside as an array (faces, 3, 3)."""
+    with h5py.File(mesh) as file:
+        points, cells = file["VTKHDF/Points"][:], file["VTKHDF/Connectivity"][:].reshape(-1, 4)
+        region, word = file["VTKHDF/CellData/region"][:], file["VTKHDF/CellData/inner_patch"][:]
+        names = dict(zip(file["PAMR/regions/numbers"][:], (name.decode() for name in file["PAMR/regions/names"][:])))
+        patches = [name.decode() for name in file["PAMR/patches/names"][:]]
+    p = points[cells]
+    volume = np.einsum("ij,ij->i", np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]), p[:, 3] - p[:, 0]) / 6
+    faces = {}
+    for slot in range(4):
+        patch = (word >> 16 * slot & 0xffff) - 1
+        corners = p[:, [k for k in range(4) if k != slot]]
+        for number in np.unique(patch[patch >= 0]):
+            faces.setdefault(patches[number], []).append(corners[patch == number])
+    return {name: volume[region == number].sum() for number, name in names.items()}, {name: np.concatenate(f) for name, f in faces.items()}
 
 
-def test_a_face_beside_a_solid_is_named():
-    lines = second_cube((2, 0, 0))
+def test_solids_of_an_assembly_are_regions_with_patches_between_them():
+    shutil.copy(ASSEMBLY, "assembly.step")
+    report = run("pamr-mesh", "assembly.step", "-o", "many.hdf", "--size", "0.5", "--json", "-").json
+    run("pamr-mesh", "assembly.step", "-o", "one.hdf", "--size", "0.5", serial=True)
+    assert same_bytes("many.hdf", "one.hdf")
+    assert sorted(report["patches"]) == ["color_00ff00", *(f"face_{n}" for n in range(1, 7)), "housing_ball", "housing_peg_1", "tip"], report
+    assert [report["regions"][name]["number"] for name in ("housing", "ball", "peg_1", "peg_2")] == [1, 2, 3, 4]
+    ball = np.pi / 6
+    for name, exact in (("housing", 8 - ball), ("ball", ball), ("peg_1", 1), ("peg_2", 1)):
+        assert abs(report["regions"][name]["body_volume"] / exact - 1) < 1e-3, report["regions"]
+    errors = []
+    for level in range(3):
+        volumes, faces = regions_and_faces_inside("many.hdf")
+        assert sorted(volumes) == ["ball", "housing", "peg_1", "peg_2"] and sorted(faces) == ["housing_ball", "housing_peg_1"]
+        assert abs(volumes["peg_1"] - 1) < 1e-12 and abs(volumes["peg_2"] - 1) < 1e-12 and abs(volumes["housing"] + volumes["ball"] - 8) < 1e-12
+        errors.append(1 - volumes["ball"] / ball)
+        assert np.abs(np.linalg.norm(faces["housing_ball"] - 1, axis=2) - .5).max() < 1e-13
+        flat = faces["housing_peg_1"]
+        areas = np.linalg.norm(np.cross(flat[:, 1] - flat[:, 0], flat[:, 2] - flat[:, 0]), axis=1) / 2
+        assert (flat[:, :, 0] == 2).all() and abs(areas.sum() / 2 - 1) < 1e-12  # seen from both sides
+        if level == 0:
+            assert np.isclose(volumes["ball"], report["regions"]["ball"]["volume"], rtol=1e-12)
+            assert len(faces["housing_ball"]) == 2 * report["patches"]["housing_ball"]["faces"]
+        if level < 2:
+            assert refine("many.hdf", "many.hdf")["off_surface_nodes"] == 0
+    assert 3.6 < errors[0] / errors[1] < 4.4 and 3.6 < errors[1] / errors[2] < 4.4, errors
+
+
+def test_solids_are_chosen_by_name():
+    shutil.copy(ASSEMBLY, "assembly.step")
+    report = run("pamr-mesh", "assembly.step", "-o", "pegs.hdf", "--size", "0.7", "--solid", "peg", "--json", "-", serial=True).json
+    assert sorted(report["regions"]) == ["peg_1", "peg_2"] and abs(report["volume"] - 2) < 1e-12
+    report = run("pamr-mesh", "assembly.step", "-o", "peg.hdf", "--size", "0.7", "--solid", "peg_1", "--json", "-", serial=True).json
+    assert report["regions"] == {} and abs(report["volume"] - 1) < 1e-12
+    refuses("pamr-mesh", "assembly.step", "-o", "a.hdf", "--solid", "wheel", says=["(housing, ball, peg_1, peg_2), found \"wheel\""])
+    refuses("pamr-mesh", "--shape", "kuhn-cube", "--n", "2", "-o", "a.hdf", "--solid", "peg", says=["--solid with a STEP"])
+
+
+def test_solids_that_touch_or_lie_in_others_are_regions_and_overlaps_are_named():
+    for name, low, side, inside in (("beside", (1, 0, 0), 1, 0), ("corner", (1, 1, 1), 1, 0), ("part", (1, .25, .25), .5, 0),
+                                    ("inside", (.25, .25, .25), .5, 1), ("flush", (.5, .25, .25), .5, 1), ("clear", (2, 0, 0), 1, 0)):
+        report = run("pamr-mesh", step(f"{name}.step", second_cube(low, side)), "-o", f"{name}.hdf", "--size", str(side / 2), "--json", "-", serial=True).json
+        regions = report["regions"]
+        assert abs(regions["solid_1"]["volume"] - (1 - inside * side ** 3)) < 1e-12 and abs(regions["solid_2"]["volume"] - side ** 3) < 1e-12, (name, regions)
+        assert ("solid_1_solid_2" in report["patches"]) == (name not in ("corner", "clear")), (name, report["patches"])
+        assert run("pamr-quality", f"{name}.hdf", "--json", "-", serial=True).json["valid"]
+    refuses("pamr-mesh", step("edge.step", second_cube((1, 1, 0))), "-o", "a.hdf", creates="a.hdf", says=["touch along an edge alone at [1, 1, 0.5]"])
+    overlap = step("overlap.step", second_cube((.5, .25, .25)))
+    refuses("pamr-mesh", overlap, "-o", "a.hdf", creates="a.hdf", says=["\"solid_1\" and \"solid_2\" overlap at [0.75, 0.625, 0.625]", "--solid"])
+    assert abs(run("pamr-mesh", overlap, "-o", "a.hdf", "--solid", "solid_2", "--size", "1", "--json", "-", serial=True).json["volume"] - 1) < 1e-12
+    pathlib.Path("case.toml").write_text(FAR_BOX.replace("can.step", "beside.step").replace("faces = [1, 3]", "").split("[[surface]]\nname = \"top\"")[0]
+                                         .replace("near = { top = 0.3 }", "").replace("+side & +x0 & -x1 & +y0 & -y1 & +z0 & -z1", "-side"))
+    refuses("pamr-mesh", "case.toml", "-o", "b.hdf", creates="b.hdf", says=["1 (its middle at [0.5, 0.5, 0.5]) touches or overlaps", "makes a region of each"])
+
+
+def test_faces_beside_several_solids_are_named_and_shells_alone_too():
+    lines = shell_of_one_face(second_cube((2, 0, 0)))
+    refuses("pamr-mesh", step("three.step", lines, box_lines((1, 1, 1), (4, 0, 0), 20000)), "-o", "a.hdf", creates="a.hdf",
+            says=["found 2 solids, and 1 face that belongs to none, at [2, 0.5, 0.5]", "a shell without a solid"])
+    pathlib.Path("shell.step").write_text(CUBE.read_text().replace("MANIFOLD_SOLID_BREP('',#16)", "SHELL_BASED_SURFACE_MODEL('',(#16))"))
+    refuses("pamr-mesh", "shell.step", "-o", "a.hdf", "--solid", "solid_1", creates="a.hdf", says=["expected solids, found none", "shells"])
+
+
+def shell_of_one_face(lines):
+    """The lines of a box with one face of it as a shell, in place of the solid."""
     lines = re.sub(r"MANIFOLD_SOLID_BREP\('',#10016\)", "SHELL_BASED_SURFACE_MODEL('',(#10016))", lines)
     lines = re.sub(r"#10016 = CLOSED_SHELL\('',\((#\d+),[^;]*;", r"#10016 = OPEN_SHELL('',(\1));", lines)
     kept = re.search(r"#10016 = OPEN_SHELL\('',\((#\d+)\)\)", lines)[1]
     lines = re.sub(r"(#\d+) = ADVANCED_FACE\([^;]*;\n", lambda m: m[0] if m[1] == kept else "", lines)
-    lines = lines.replace("ADVANCED_BREP_SHAPE_REPRESENTATION", "MANIFOLD_SURFACE_SHAPE_REPRESENTATION")
-    refuses("pamr-mesh", step("face.step", lines), "-o", "a.hdf", creates="a.hdf",
+    return lines.replace("ADVANCED_BREP_SHAPE_REPRESENTATION", "MANIFOLD_SURFACE_SHAPE_REPRESENTATION")
+
+
+def test_a_face_beside_a_solid_is_named():
+    refuses("pamr-mesh", step("face.step", shell_of_one_face(second_cube((2, 0, 0)))), "-o", "a.hdf", creates="a.hdf",
             says=["found 1 solid, and 1 face that belongs to none, at [2, 0.5, 0.5] (face 7)"])
 
 

@@ -96,10 +96,21 @@ void allow_time_for(std::uint64_t bytes) {
   if (getrlimit(RLIMIT_CPU, &now) == 0) set_limit(RLIMIT_CPU, now.rlim_cur + bytes / slowest);
 }
 
-std::string error_of_reading(const std::string& file, bool is_cad) {
+/// Reads a CAD file as a tool will.
+void try_reading_cad(const std::string& file, bool fuses_solids) {
+  const geometry::CadSource source{file, geometry::read_cad_source(file).text};
+  const auto model = geometry::make_cad_model(source, geometry::usual_cad_unit);
+  if (!fuses_solids || model->n_solids() < 2) return;
+  try {
+    (void)geometry::make_cad_assembly(source, geometry::usual_cad_unit, {});
+  } catch (const Error&) {  // of solids of which none may be asked for
+  }
+}
+
+std::string error_of_reading(const std::string& file, bool is_cad, bool fuses_solids) {
   try {
     if (is_cad)
-      (void)geometry::make_cad_model({file, geometry::read_cad_source(file).text}, geometry::usual_cad_unit);
+      try_reading_cad(file, fuses_solids);
     else if (fs::path(file).extension() == ".cgns")
       io::try_reading_cgns(file);
     else
@@ -156,12 +167,12 @@ ChildAnswer in_child(const std::function<std::string()>& work, ChildLimits limit
   return answer;
 }
 
-std::string check_in_child(const std::string& file) {
+std::string check_in_child(const std::string& file, bool fuses_solids) {
   const bool is_cad = geometry::is_cad_file(file);
   if (!is_regular_file(file) || !(is_cad ? geometry::can_read_cad() : io::has_hdf5_signature(file))) return {};
   std::error_code failed;
   const auto limits = limits_for(fs::file_size(file, failed), is_cad);
-  const auto [text, trouble] = in_child([&] { return error_of_reading(file, is_cad); }, limits);
+  const auto [text, trouble] = in_child([&] { return error_of_reading(file, is_cad, fuses_solids); }, limits);
   if (trouble.empty()) return text;
   return fmt::format("file '{}': expected a sound {}, found a damaged one: {} failed on it ({})", file,
                      is_cad ? "shape" : "HDF5 file", is_cad ? "OpenCASCADE" : "HDF5", trouble);
@@ -179,7 +190,7 @@ std::vector<std::string> files_in_case(const std::string& file) {
   }
 }
 
-BadFiles check_named_files(int argc, char** argv, FilesIn files_in) {
+BadFiles check_named_files(int argc, char** argv, FilesIn files_in, bool fuses_solids) {
   BadFiles bad;
   if (!is_first_rank()) return bad;
   std::vector<std::string> names;
@@ -192,7 +203,7 @@ BadFiles check_named_files(int argc, char** argv, FilesIn files_in) {
   for (std::size_t i = 0; i < names.size(); ++i) {
     const auto name = names[i];
     if (!seen.insert(name).second || !is_regular_file(name)) continue;
-    if (auto error = check_in_child(name); !error.empty()) bad.emplace(name, std::move(error));
+    if (auto error = check_in_child(name, fuses_solids); !error.empty()) bad.emplace(name, std::move(error));
     if (files_in == nullptr) continue;
     for (auto& inner : files_in(name)) names.push_back(std::move(inner));
   }

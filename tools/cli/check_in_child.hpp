@@ -34,9 +34,10 @@ struct ChildAnswer {
 /// no process start. `work` may use neither MPI nor anything that other threads of this process may hold. Local.
 ChildAnswer in_child(const std::function<std::string()>& work, ChildLimits limits);
 
-/// Has a file of HDF5 or CAD read by a child; other files are not looked at. Returns what is wrong with it: what the
+/// Has a file of HDF5 or CAD read by a child; other files are not looked at. `fuses_solids`: it fuses the solids of a
+/// CAD file, too, if there are several; solids that cannot be fused are not wrong yet, since some may be chosen. Returns what is wrong with it: what the
 /// reader says of it, or how the child ended. Empty: nothing. Local.
-std::string check_in_child(const std::string& file);
+std::string check_in_child(const std::string& file, bool fuses_solids = false);
 
 /// Errors of files, by the files' names.
 using BadFiles = std::map<std::string, std::string>;
@@ -50,6 +51,6 @@ std::vector<std::string> files_in_case(const std::string& file);
 /// `check_in_child` for each file that the command line names, and for those that `files_in` (may be null) finds in
 /// them. Yields the bad ones with their errors; outputs to be replaced may be among them. To be called before MPI
 /// starts: only the first rank looks, by the variables that launchers set, elsewhere there is nothing. Local.
-BadFiles check_named_files(int argc, char** argv, FilesIn files_in);
+BadFiles check_named_files(int argc, char** argv, FilesIn files_in, bool fuses_solids = false);
 
 }  // namespace pamr::cli

@@ -135,7 +135,8 @@ int run_tool(int argc, char** argv, const ToolInfo& info, const std::function<vo
   keep_standard_streams();
   guard_exit_code();
   set_up_heap();
-  const auto bad_files = check_named_files(argc, argv, info.files_in);  // no process of an MPI job forks
+  const auto bad_files =
+      check_named_files(argc, argv, info.files_in, info.fuses_solids);  // no process of an MPI job forks
   par::Runtime runtime(argc, argv);
   const auto clean_up = [] {
     be_silent_on_interrupt();  // mpirun ends the ranks that are not the first to leave with an error

@@ -17,6 +17,7 @@ struct ToolInfo {
   std::string example;  ///< command lines for --help, one a line
   /// Input files that a file of the command line names, if it may name some of HDF5 or CAD.
   FilesIn files_in = nullptr;
+  bool fuses_solids = false;  ///< of CAD files
 };
 
 /// The whole life of a tool: has a child look at the files of the command line, starts MPI, reads the command line,

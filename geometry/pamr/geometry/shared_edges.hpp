@@ -12,7 +12,8 @@ namespace pamr::geometry {
 /// `project_onto_all` asks it before it intersects surfaces.
 class SharedEdges {
  public:
-  /// Nearest point of what these surfaces (this one among them) have in common: the curve of two, the corner of more.
+  /// Nearest point of what these surfaces (this one among them) have in common: the curve of two or more, the corner
+  /// of more.
   /// Nothing where they do not know.
   virtual std::optional<Vec3> project_to_common(std::span<const Surface* const> surfaces, Vec3 point) const = 0;
 

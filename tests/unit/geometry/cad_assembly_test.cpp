@@ -119,9 +119,15 @@ TEST(CadAssembly, SolidsTouchWithinTheToleranceAndAreApartBeyondIt) {
 TEST(CadAssembly, NamesSolidsThatOverlap) {
   EXPECT_THAT([] { assemble_cad(with_peg_at("1.5"), 1); },
               ThrowsMessage<Error>(AllOf(HasSubstr("\"housing\" and \"peg_1\" overlap at [1.75, 1, 1]"))));
-  EXPECT_THAT([] { assemble_cad(with_peg_at("1.5"), 0.1); }, ThrowsMessage<Error>(HasSubstr("[0.175, 0.1, 0.1]")));
+  EXPECT_THAT([] { assemble_cad(with_peg_at("1.5"), 2); }, ThrowsMessage<Error>(HasSubstr("[3.5, 2, 2]")));
   EXPECT_THAT([] { assemble_cad(assembly("(5.,0.,0.)", "(2.,0.5,0.5)"), 1); },
               ThrowsMessage<Error>(HasSubstr("\"peg_1\" and \"peg_2\" are the same solid")));
+}
+
+TEST(CadAssembly, NamesSolidsThatTouchAlongAnEdgeAlone) {
+  EXPECT_THAT([] { assemble_cad(assembly("(5.,0.,0.)", "(3.,1.5,1.)"), 1); },
+              ThrowsMessage<Error>(HasSubstr("\"peg_1\" and \"peg_2\" touch along an edge alone at [3, 1.5, 1.25]")));
+  EXPECT_NO_THROW(assemble_cad(assembly("(5.,0.,0.)", "(3.,1.4,1.)"), 1));  // a face of 0.1 x 0.5
 }
 
 TEST(CadAssembly, OfNestedSolidsTheInnerOneWins) {

@@ -134,6 +134,43 @@ TEST(CadBody, FindsTheApexOfACone) {
   EXPECT_TRUE(CadBody(model("cube.step"), 0.01).tips().empty());
 }
 
+/// tests/unit/geometry/data/assembly.step: a housing [0, 2]^3, a ball of radius 0.5 in its middle, and pegs of side 1 at
+/// (2, 0.5, 0.5), which touches the housing, and at (5, 0, 0).
+std::shared_ptr<const geometry::CadModel> assembly() {
+  const auto source = geometry::read_cad_source(std::string(PAMR_TEST_DATA) + "/assembly.step");
+  return geometry::make_cad_model({"assembly.brep", geometry::make_cad_assembly(source, "mm", {}).text}, "mm", true);
+}
+
+TEST(CadBody, KnowsTheSolidOfAnAssemblyAtAPoint) {
+  const CadBody body(assembly(), 1e-3);
+  std::mt19937_64 random(4);
+  std::uniform_real_distribution<double> x(-0.5, 6.5), yz(-0.5, 2.5);
+  const auto is_in_box = [](Vec3 p, Vec3 low, double side) {
+    return std::min({p.x - low.x, p.y - low.y, p.z - low.z}) > 0 &&
+           std::max({p.x - low.x, p.y - low.y, p.z - low.z}) < side;
+  };
+  for (int i = 0; i < 20000; ++i) {
+    const Vec3 p{x(random), yz(random), yz(random)};
+    const double from_middle = norm(p - Vec3{1, 1, 1});
+    if (std::abs(from_middle - 0.5) < 2e-3) continue;
+    const int solid = from_middle < 0.5                ? 1
+                      : is_in_box(p, {0, 0, 0}, 2)     ? 0
+                      : is_in_box(p, {2, 0.5, 0.5}, 1) ? 2
+                      : is_in_box(p, {5, 0, 0}, 1)     ? 3
+                                                       : -1;
+    ASSERT_EQ(body.solid_at(p), solid) << p.x << " " << p.y << " " << p.z;
+    ASSERT_EQ(body.signed_distance(p) < 0, solid >= 0);
+  }
+  EXPECT_GE(body.solid_at({2, 1, 1}), 0);  // between two: one of them
+  EXPECT_EQ(body.solid_at({2, 0.2, 0.2}), -1);
+  EXPECT_NEAR(body.signed_distance({1.9, 1, 1}), -0.1, 1e-12);
+  EXPECT_NEAR(body.signed_distance({2.1, 1, 1}), -0.1, 1e-12);
+  EXPECT_GT(body.normal({1.9, 1, 1}).x, 0.9);
+  EXPECT_LT(body.normal({2.1, 1, 1}).x, -0.9);
+  const double middle_of_piece = body.piece(body.outer_piece_at({2.01, 1, 1}))->distance({2, 1, 1});
+  EXPECT_NEAR(middle_of_piece, 0.5, 1e-9);  // the housing's rim around the peg, or the peg's side
+}
+
 TEST(Bodies, SurfacesOfOneShapeAreOneBody) {
   const auto source = geometry::read_cad_source(std::string(PAMR_TEST_DATA) + "/cube.step");
   const auto described = [&](const std::vector<int>& others) {

@@ -4,12 +4,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <cstdint>
+#include <map>
 #include <numbers>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "meshing/faces_between_regions.hpp"
 #include "pamr/base/error.hpp"
 
 namespace pamr::meshing {
@@ -65,6 +69,44 @@ Domain can() {
   domain.center = {0, 0, 1};
   domain.radius = 1.05 * std::sqrt(2.0);
   return domain;
+}
+
+/// The ball of radius 1 with one of radius 0.5 about the same middle as a region of its own.
+Domain ball_in_ball() {
+  auto domain = ball({0, 0, 0}, 1);
+  domain.label = [](Vec3 p) { return norm(p) < 0.5 ? Domain::in_region(1) : norm(p) < 1 ? Domain::in_region(0) : 0; };
+  domain.size = [](Vec3) { return 0.35; };
+  domain.regions = {{"shell", 0}, {"core", 0}};
+  domain.pieces.push_back({1, [](Vec3 p) { return (0.5 / norm(p)) * p; }});
+  domain.pieces.back().region = {0, 1};
+  for (const Vec3 p : domain.pieces[0].start) domain.pieces.back().start.push_back(0.5 * p);
+  domain.patches.push_back({"shell_core", "patch", -1});
+  return domain;
+}
+
+TEST(RunMesh3, MeshesRegionsThatMeetInFacesOfTheirPiece) {
+  const auto mesh = run_mesh3(ball_in_ball(), 1);
+
+  ASSERT_EQ(mesh.region.size(), mesh.cell.size());
+  std::array<double, 2> volume{};
+  for (std::size_t c = 0; c < mesh.cell.size(); ++c)
+    volume[static_cast<std::size_t>(mesh.region[c])] += geometry::volume(mesh.points(c));
+  const double core = std::numbers::pi / 6;
+  EXPECT_NEAR(volume[1] / core, 0.85, 0.12);
+  EXPECT_NEAR(volume[0] / (8 * core - core), 0.95, 0.05);
+  EXPECT_GT(mesh.between.size(), 20U);
+  std::map<std::pair<std::int32_t, std::int32_t>, int> n_faces;
+  for (const auto& face : mesh.between) {
+    EXPECT_EQ(face.piece, 1);
+    EXPECT_EQ(mesh.region[static_cast<std::size_t>(face.cell)], 0);
+    const auto corner = corners_of(mesh, face);
+    for (std::size_t i = 0; i < 3; ++i) {
+      EXPECT_NEAR(norm(mesh.position(corner[i])), 0.5, 1e-5);
+      ++n_faces[std::minmax(corner[i], corner[(i + 1) % 3])];
+    }
+  }
+  for (const auto& [edge, n] : n_faces) EXPECT_EQ(n, 2);  // closed
+  for (const auto& face : mesh.face) EXPECT_EQ(face.piece, 0);
 }
 
 // CGAL asks at 1e16 and beyond, where sides of surfaces are matters of rounding. One "inside" there, and its bisection

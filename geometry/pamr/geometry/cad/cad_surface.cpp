@@ -132,19 +132,24 @@ std::optional<Vec3> CadSurface::project_to_common(std::span<const Surface* const
     if (part == nullptr || part->model_ != model_) return std::nullopt;
     parts.push_back(part);
   }
-  if (parts.size() > 2) return nearest_corner(parts, point);
-  const auto is_at = [](const CadSurface* part, const std::vector<int>& faces) {
-    return std::any_of(faces.begin(), faces.end(), [part](int f) { return part->has(f); });
-  };
+  const auto is_common = [&](auto has_part) { return std::all_of(parts.begin(), parts.end(), has_part); };
   std::vector<int> common;
-  for (const int e : edges_)
-    if (is_at(parts[0], model_->faces_of(e)) && is_at(parts[1], model_->faces_of(e))) common.push_back(e);
-  auto best = nearest_of(common, point, true);
-  for (const int f : faces_) {  // two patches on one face have all of it in common
-    if (!parts[0]->has(f) || !parts[1]->has(f)) continue;
-    const auto foot = model_->faces()[at(f)].project(point);
-    if (!best || foot.distance < norm(*best - point)) best = foot.point;
+  for (const int e : edges_) {
+    const auto& faces = model_->faces_of(e);
+    if (is_common([&](const CadSurface* part) {
+          return std::any_of(faces.begin(), faces.end(), [part](int f) { return part->has(f); });
+        }))
+      common.push_back(e);
   }
+  auto best = nearest_of(common, point, true);
+  const auto take_if_nearer = [&](Vec3 foot) {
+    if (!best || norm(foot - point) < norm(*best - point)) best = foot;
+  };
+  for (const int f : faces_)  // patches on one face have all of it in common
+    if (is_common([f](const CadSurface* part) { return part->has(f); }))
+      take_if_nearer(model_->faces()[at(f)].project(point).point);
+  if (parts.size() > 2)  // solids that touch have edges at which three surfaces meet
+    if (const auto corner = nearest_corner(parts, point)) take_if_nearer(*corner);
   return best;
 }
 

@@ -12,6 +12,7 @@
 #include <GProp_GProps.hxx>
 #include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
+#include <TopTools_IndexedDataMapOfShapeListOfShape.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <TopTools_ListOfShape.hxx>
 #include <TopoDS_Compound.hxx>
@@ -156,6 +157,7 @@ class Assembler {
     find_parts(fuse);
     const auto shape = put_together();
     describe_faces(fuse, shape);
+    refuse_touching_edges(shape);
     std::ostringstream text;
     BRepTools::Write(shape, text, false, false, TopTools_FormatVersion_CURRENT);
     result_.text = text.str();
@@ -254,6 +256,29 @@ class Assembler {
             face.name = text_of(read_.names, e.Current());
             face.color = text_of(read_.colors, e.Current());
           }
+  }
+
+  /// Along an edge that they have in common, but no face, the boundary of two solids would touch itself.
+  void refuse_touching_edges(const TopoDS_Compound& shape) const {
+    TopTools_IndexedMapOfShape faces;
+    TopTools_IndexedDataMapOfShapeListOfShape faces_of_edge;
+    TopExp::MapShapes(shape, TopAbs_FACE, faces);
+    TopExp::MapShapesAndAncestors(shape, TopAbs_EDGE, TopAbs_FACE, faces_of_edge);
+    for (int e = 1; e <= faces_of_edge.Size(); ++e) {
+      std::set<int> outer, regions;
+      for (const auto& face : faces_of_edge(e))
+        if (const int f = faces.FindIndex(face); result_.face[at(f)].region[1] < 0) {
+          outer.insert(f);
+          regions.insert(result_.face[at(f)].region[0]);
+        }
+      if (outer.size() <= 2 || regions.size() < 2) continue;
+      throw Error(fmt::format(
+          "expected solids that have a face in common where they touch, found that \"{}\" and \"{}\" touch along an "
+          "edge alone at {}: move one of them, unite them, or name the solids to take (--solid)",
+          result_.region[static_cast<std::size_t>(*regions.begin())],
+          result_.region[static_cast<std::size_t>(*regions.rbegin())],
+          decimal(middle_of_shape(faces_of_edge.FindKey(e), scale_))));
+    }
   }
 
   static std::size_t at(int index) { return static_cast<std::size_t>(index) - 1; }  // of maps, which count from 1

@@ -192,9 +192,9 @@ void read_names(const STEPControl_Reader& reader, OcctShape& result) {
 /// The largest uncertainty of lengths that the text states, millimeters, if the first unit of lengths is that of all.
 double stated_tolerance(const STEPControl_Reader& reader, std::string unit) {
   std::transform(unit.begin(), unit.end(), unit.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+                 [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
   constexpr std::array<std::pair<std::string_view, double>, 5> others{
-      {{"metre", 1000.0}, {"centimetre", 10.0}, {"micrometre", 1e-3}, {"inch", 25.4}, {"foot", 304.8}}};
+      {{"METRE", 1000.0}, {"CENTIMETRE", 10.0}, {"MICROMETRE", 1e-3}, {"INCH", 25.4}, {"FOOT", 304.8}}};
   double length = 1;
   for (const auto& [name, millimeters] : others)
     if (name == unit) length = millimeters;
