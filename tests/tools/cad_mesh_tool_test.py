@@ -242,8 +242,8 @@ def regions_and_faces_inside(mesh):
 
 def test_solids_of_an_assembly_are_regions_with_patches_between_them():
     shutil.copy(ASSEMBLY, "assembly.step")
-    report = run("pamr-mesh", "assembly.step", "-o", "many.hdf", "--size", "0.5", "--json", "-").json
-    run("pamr-mesh", "assembly.step", "-o", "one.hdf", "--size", "0.5", serial=True)
+    report = run("pamr-mesh", "assembly.step", "-o", "many.hdf", "--size", "0.9", "--json", "-").json
+    run("pamr-mesh", "assembly.step", "-o", "one.hdf", "--size", "0.9", serial=True)
     assert same_bytes("many.hdf", "one.hdf")
     assert sorted(report["patches"]) == ["color_00ff00", *(f"face_{n}" for n in range(1, 7)), "housing_ball", "housing_peg_1", "tip"], report
     assert [report["regions"][name]["number"] for name in ("housing", "ball", "peg_1", "peg_2")] == [1, 2, 3, 4]
@@ -270,9 +270,9 @@ def test_solids_of_an_assembly_are_regions_with_patches_between_them():
 
 def test_solids_are_chosen_by_name():
     shutil.copy(ASSEMBLY, "assembly.step")
-    report = run("pamr-mesh", "assembly.step", "-o", "pegs.hdf", "--size", "0.7", "--solid", "peg", "--json", "-", serial=True).json
+    report = run("pamr-mesh", "assembly.step", "-o", "pegs.hdf", "--size", "1", "--solid", "peg", "--json", "-", serial=True).json
     assert sorted(report["regions"]) == ["peg_1", "peg_2"] and abs(report["volume"] - 2) < 1e-12
-    report = run("pamr-mesh", "assembly.step", "-o", "peg.hdf", "--size", "0.7", "--solid", "peg_1", "--json", "-", serial=True).json
+    report = run("pamr-mesh", "assembly.step", "-o", "peg.hdf", "--size", "1", "--solid", "peg_1", "--json", "-", serial=True).json
     assert report["regions"] == {} and abs(report["volume"] - 1) < 1e-12
     refuses("pamr-mesh", "assembly.step", "-o", "a.hdf", "--solid", "wheel", says=["(housing, ball, peg_1, peg_2), found \"wheel\""])
     refuses("pamr-mesh", "--shape", "kuhn-cube", "--n", "2", "-o", "a.hdf", "--solid", "peg", says=["--solid with a STEP"])
@@ -281,7 +281,7 @@ def test_solids_are_chosen_by_name():
 def test_solids_that_touch_or_lie_in_others_are_regions_and_overlaps_are_named():
     for name, low, side, inside in (("beside", (1, 0, 0), 1, 0), ("corner", (1, 1, 1), 1, 0), ("part", (1, .25, .25), .5, 0),
                                     ("inside", (.25, .25, .25), .5, 1), ("flush", (.5, .25, .25), .5, 1), ("clear", (2, 0, 0), 1, 0)):
-        report = run("pamr-mesh", step(f"{name}.step", second_cube(low, side)), "-o", f"{name}.hdf", "--size", str(side / 2), "--json", "-", serial=True).json
+        report = run("pamr-mesh", step(f"{name}.step", second_cube(low, side)), "-o", f"{name}.hdf", "--size", str(side / 2 if side < 1 else 1), "--json", "-", serial=True).json
         regions = report["regions"]
         assert abs(regions["solid_1"]["volume"] - (1 - inside * side ** 3)) < 1e-12 and abs(regions["solid_2"]["volume"] - side ** 3) < 1e-12, (name, regions)
         assert ("solid_1_solid_2" in report["patches"]) == (name not in ("corner", "clear")), (name, report["patches"])

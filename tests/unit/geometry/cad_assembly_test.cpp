@@ -12,6 +12,7 @@
 
 #include "pamr/base/error.hpp"
 #include "pamr/geometry/cad/cad_source.hpp"
+#include "pamr/geometry/cad/cad_surface.hpp"
 #include "pamr/geometry/cad/read_cad.hpp"
 
 namespace pamr::geometry {
@@ -128,6 +129,25 @@ TEST(CadAssembly, NamesSolidsThatTouchAlongAnEdgeAlone) {
   EXPECT_THAT([] { assemble_cad(assembly("(5.,0.,0.)", "(3.,1.5,1.)"), 1); },
               ThrowsMessage<Error>(HasSubstr("\"peg_1\" and \"peg_2\" touch along an edge alone at [3, 1.5, 1.25]")));
   EXPECT_NO_THROW(assemble_cad(assembly("(5.,0.,0.)", "(3.,1.4,1.)"), 1));  // a face of 0.1 x 0.5
+}
+
+TEST(CadAssembly, ThreeSurfacesOfTouchingSolidsHaveTheEdgeOfTheirFacesInCommon) {
+  const auto made = assemble_cad(assembly(), 1);
+  const auto model = make_cad_model({"a.brep", made.text}, "mm", true);
+  std::array<std::vector<int>, 3> faces;  // of the housing beside the peg, of the peg, between the two
+  for (std::size_t f = 0; f < made.face.size(); ++f) {
+    const auto& face = made.face[f];
+    if (face.region == Regions{0, -1} && face.number == 2) faces[0].push_back(static_cast<int>(f));
+    if (face.region == Regions{2, -1}) faces[1].push_back(static_cast<int>(f));
+    if (face.region == Regions{0, 2}) faces[2].push_back(static_cast<int>(f));
+  }
+  const CadSurface housing(model, faces[0]), peg(model, faces[1]), between(model, faces[2]);
+  const std::array<const Surface*, 3> all{&housing, &peg, &between};
+
+  const auto at_edge = project_onto_all(all, {2.05, 0.45, 0.9}), at_corner = project_onto_all(all, {2.05, 0.45, 0.4});
+
+  EXPECT_LT(norm(at_edge.point - Vec3{2, 0.5, 0.9}), 1e-12);
+  EXPECT_LT(norm(at_corner.point - Vec3{2, 0.5, 0.5}), 1e-12);
 }
 
 TEST(CadAssembly, OfNestedSolidsTheInnerOneWins) {
