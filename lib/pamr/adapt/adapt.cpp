@@ -64,9 +64,11 @@ mesh::DistMesh without_replaced_fields(mesh::DistMesh mesh, const Options& optio
 /// Moves the parents to the ranks where their children shall be.
 Closed balance(const par::Comm& comm, Closed closed, const Options& options, StepTimer& timer) {
   auto mesh = without_replaced_fields(std::move(closed.mesh).take(), options);
+  closed.info.level0.reset();  // its rows travel: those at hand are freed then
   auto [parents, report] = balance_parents(
       comm, {std::move(mesh), std::move(closed.borders), std::move(closed.closure)}, closed.requests, options, timer);
   timer.lap("balance");
+  closed.info.level0 = parents.mesh.info.level0;
   closed.mesh = std::move(parents.mesh);
   closed.borders = std::move(parents.borders);
   closed.closure = std::move(parents.closure);

@@ -28,6 +28,10 @@ class GivenMesh {
   void drop_links() {
     if (!is_lent()) free_array(std::get<mesh::DistMesh>(mesh_).cell_to_cell);
   }
+  /// Frees the numbers of its cells likewise, where those of the input take their place.
+  void drop_replaced_numbers() {
+    if (!is_lent() && !get().cell_origin.empty()) free_array(std::get<mesh::DistMesh>(mesh_).cell_global);
+  }
   /// Frees the values of one of its fields likewise.
   void drop_values(const mesh::Field& field) {
     if (is_lent()) return;

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "pamr/adapt/depth.hpp"
+#include "pamr/base/memory.hpp"
 #include "pamr/mesh/undescribed_patches.hpp"
 #include "pamr/refine/certify.hpp"
 #include "pamr/refine/close.hpp"
@@ -72,7 +73,7 @@ Closed close_pass(const par::Comm& comm, Marked marked, const refine::Options& o
   return closed;
 }
 
-Split split_pass(const par::Comm& comm, const Closed& closed, StepTimer& timer) {
+Split split_pass(const par::Comm& comm, Closed& closed, StepTimer& timer) {
   const auto& mesh = closed.mesh.get();
   const auto& info = closed.info;
   const auto& borders = closed.borders;
@@ -88,6 +89,9 @@ Split split_pass(const par::Comm& comm, const Closed& closed, StepTimer& timer) 
   const refine::NewLevel level{mesh, info, *closed.surfaces, numbering, children, nodes.shared};
   auto settled = refine::certify(comm, level, std::move(nodes.position), movables);
   nodes.position = std::move(settled.position);
+  free_array(movables);
+  numbering.drop_all_but_children();
+  closed.mesh.drop_replaced_numbers();
   timer.lap("project");
   auto links = refine::relink(comm, old, children, nodes.global);
   auto inner_patches = refine::inner_patches_of_children(old, children);

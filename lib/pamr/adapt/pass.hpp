@@ -72,8 +72,8 @@ struct Split {
   refine::Certificate certificate;
 };
 
-/// Collective.
-Split split_pass(const par::Comm& comm, const Closed& closed, StepTimer& timer);
+/// Frees numbers of the mesh that nothing looks at afterwards, if it is not lent. Collective.
+Split split_pass(const par::Comm& comm, Closed& closed, StepTimer& timer);
 
 /// Gives the refined mesh its fields and completes the report but for times.
 Result transfer_pass(Closed closed, Split split, const refine::Options& options);

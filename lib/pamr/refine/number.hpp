@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "pamr/base/index.hpp"
+#include "pamr/base/memory.hpp"
 #include "pamr/mesh/borders.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/mesh/patch_list.hpp"
@@ -34,6 +35,14 @@ struct Numbering {
   GlobalId n_global_cells = 0;
 
   std::size_t n_new_nodes() const { return ends.size(); }
+  /// Frees what is of no use once children and nodes are made: all but `ends` and `first_child`.
+  void drop_all_but_children() {
+    free_array(row);
+    free_array(edge_to_node);
+    free_array(node_global);
+    free_array(boundary);
+    free_array(first_child_global);
+  }
   LocalId midpoint(LocalId cell, int edge) const { return edge_to_node[at(row[at(cell)])][at(edge)]; }
 };
 

@@ -169,7 +169,7 @@ std::vector<LocalId> touched_at_the_end(const State& state, const refine::Closur
 }
 
 /// Nothing where the whole mesh has to be split for an error to be described by its numbers; on all ranks alike.
-std::optional<Split> try_to_split(const Setting& with, const State& state, const Closed& pass) {
+std::optional<Split> try_to_split(const Setting& with, const State& state, Closed& pass) {
   try {
     return split_pass(with.comm, pass, with.timer);
   } catch (const Error&) {
