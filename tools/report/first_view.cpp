@@ -2,6 +2,7 @@
 #include "report/first_view.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 
@@ -46,6 +47,18 @@ std::vector<PatchShape> shapes_of_patches(const check::MeshView& view) {
   return shapes;
 }
 
+std::vector<std::array<Vec3, 3>> drawn_faces(const check::MeshView& view, const std::vector<std::string>& hidden) {
+  std::vector<std::array<Vec3, 3>> faces;
+  for (std::size_t face = 0; face < view.faces.node.size(); ++face) {
+    const auto& name = view.patches[at(view.faces.patch[face])].name;
+    if (std::find(hidden.begin(), hidden.end(), name) != hidden.end()) continue;
+    auto& corners = faces.emplace_back();
+    for (std::size_t i = 0; i < 3; ++i)
+      corners[i] = view.nodes.position[at(view.faces.node[face][i])] - view.box.center();
+  }
+  return faces;
+}
+
 /// A patch on the sides of the box, or one as wide as the box in two directions, such as a far field.
 bool is_outer(const PatchShape& shape, const Box& box) {
   int n_spanned = 0;
@@ -58,7 +71,7 @@ bool is_outer(const PatchShape& shape, const Box& box) {
 
 FirstView first_view(const std::vector<ReportedMesh>& meshes) {
   const auto& view = meshes.back().view;
-  FirstView first{"boundary", deepest_level(meshes) > 0 ? "level" : "patch", {}};
+  FirstView first{"boundary", deepest_level(meshes) > 0 ? "level" : "patch", {}, {}};
   const auto shapes = shapes_of_patches(view);
   const auto side = view.box.size();
   bool has_bodies = false, is_box = true;
@@ -74,10 +87,14 @@ FirstView first_view(const std::vector<ReportedMesh>& meshes) {
     outer.push_back(view.patches[p].name);
     area += shapes[p].area;
   }
-  if (is_box)
+  if (is_box) {
     first.show = "y", first.color = "level";
-  else if (has_bodies && area >= covering_part * 2 * (side.x * side.y + side.y * side.z + side.z * side.x))
+    return first;
+  }
+  if (has_bodies && area >= covering_part * 2 * (side.x * side.y + side.y * side.z + side.z * side.x))
     first.hidden = std::move(outer);
+  const auto n_panels = static_cast<double>(first_meshes(meshes).size());
+  first.direction = covering_direction(drawn_faces(view, first.hidden), picture_width / (n_panels * picture_height));
   return first;
 }
 

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "report/camera.hpp"
 #include "report/report_tables.hpp"
 
 namespace pamr::report {
@@ -13,6 +14,7 @@ struct FirstView {
   std::string show;                 ///< "boundary", or the axis of a section through the middle: "y"
   std::string color;                ///< "level", or "patch" when all cells have the same level
   std::vector<std::string> hidden;  ///< names of the patches that are not drawn: the outer box
+  Direction direction;              ///< one in which the bodies cover much of the picture
 };
 
 /// The bodies in a box without the box; a section of a mesh whose patches all lie on the sides of its box; else the

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -44,6 +45,8 @@ std::string data_elements(const std::vector<ReportedMesh>& meshes) {
   return text;
 }
 
+std::array<double, 3> vector(geometry::Vec3 v) { return {v.x, v.y, v.z}; }
+
 /// Constants that the scripts share with the program.
 nlohmann::json constants(const std::vector<ReportedMesh>& meshes, const FirstView& first) {
   return {{"TET_EDGES", mesh::tet::edge_to_corner},
@@ -51,7 +54,12 @@ nlohmann::json constants(const std::vector<ReportedMesh>& meshes, const FirstVie
           {"PATCH_COLORS", patch_colors},
           {"LEVEL_COLORS", level_colors},
           {"FIRST",
-           {{"show", first.show}, {"color", first.color}, {"hidden", first.hidden}, {"meshes", first_meshes(meshes)}}}};
+           {{"show", first.show},
+            {"color", first.color},
+            {"hidden", first.hidden},
+            {"meshes", first_meshes(meshes)},
+            {"from", vector(first.direction.from)},
+            {"up", vector(first.direction.up)}}}};
 }
 
 std::string script_elements(const nlohmann::json& constants) {

@@ -5,11 +5,11 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <numbers>
 
 #include "pamr/base/index.hpp"
 #include "pamr/geometry/box.hpp"
 #include "pamr/mesh/tet.hpp"
+#include "report/camera.hpp"
 #include "report/png.hpp"
 
 namespace pamr::report {
@@ -19,14 +19,12 @@ namespace {
 using geometry::Vec3;
 using Rgb = std::array<double, 3>;
 
-constexpr int width = 1000, height = 560, fineness = 2;  // of the picture; samples a side of a pixel
-constexpr double half_view = 17.5 * std::numbers::pi / 180;
-constexpr double edge_width = 1.2 * fineness;    // to its end, in samples
+constexpr int width = picture_width, height = picture_height, fineness = 2;  // samples a side of a pixel
+constexpr double edge_width = 1.2 * fineness;                                // to its end, in samples
 constexpr double full_height = 10.0 * fineness;  // of a triangle whose edges have their full color
 constexpr double edge_strength = 0.62;
 constexpr Rgb edge_color{0x1d, 0x24, 0x30};
-constexpr Vec3 from{-1.05, -1.22, 0.72};  // as `look("home")` of page/view.js,
-constexpr double before_section = 2.5;    // which looks more along the axis that a section is across
+constexpr double before_section = 2.5;  // as in page/view.js: a section is looked at more along its axis
 constexpr std::size_t cut_axis = 1;
 
 Rgb color_of(std::string_view text) {
@@ -34,37 +32,6 @@ Rgb color_of(std::string_view text) {
   for (std::size_t i = 0; i < 3; ++i) color[i] = std::stoi(std::string(text.substr(1 + 2 * i, 2)), nullptr, 16);
   return color;
 }
-
-/// Positions from the middle of a mesh's box, seen along one direction.
-struct Camera {
-  Vec3 toward, right, up, target{};
-  double distance = 0, horizontal = 0, vertical = 0;  ///< tangents of half the angles of the view
-
-  Camera(double aspect, bool is_cut) {
-    toward = from;
-    if (is_cut) toward[cut_axis] *= before_section;
-    toward = (1 / norm(toward)) * toward;
-    right = cross({0, 0, 1}, toward);
-    right = (1 / norm(right)) * right;
-    up = cross(toward, right);
-    vertical = std::tan(half_view) / std::min(aspect, 1.0);
-    horizontal = vertical * aspect;
-  }
-
-  /// So that the points fill the view.
-  void fit(const std::vector<Vec3>& points) {
-    geometry::Box seen;
-    for (const auto p : points) seen.extend({dot(p, right), dot(p, up), dot(p, toward)});
-    if (seen.is_empty()) return;
-    const auto middle = seen.center();
-    target = middle.x * right + middle.y * up + middle.z * toward;
-    for (const auto p : points) {
-      const auto q = p - target;
-      const double beside = std::max(std::abs(dot(q, right)) / horizontal, std::abs(dot(q, up)) / vertical);
-      distance = std::max(distance, dot(q, toward) + 1.06 * beside);
-    }
-  }
-};
 
 struct Triangle {
   std::array<Vec3, 3> corner;
@@ -89,25 +56,13 @@ double edge_part(const std::array<double, 3>& away, int inner, double min_height
   return edge_strength * std::min(min_height / full_height, 1.0) * (1 - t * t * (3 - 2 * t));
 }
 
-struct Projected {
-  std::array<double, 3> x{}, y{}, inverse{};  ///< samples, samples, inverse distance along the view
-};
-
-Projected project(const Triangle& triangle, const Camera& camera, int left, int columns, int rows) {
-  Projected result;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const auto q = triangle.corner[i] - camera.target;
-    const double inverse = 1 / std::max(camera.distance - dot(q, camera.toward), 1e-9 * camera.distance);
-    result.x[i] = left + columns * (0.5 + 0.5 * dot(q, camera.right) * inverse / camera.horizontal);
-    result.y[i] = rows * (0.5 - 0.5 * dot(q, camera.up) * inverse / camera.vertical);
-    result.inverse[i] = inverse;
-  }
-  return result;
-}
-
 /// `cut`: position on `cut_axis` in front of which nothing is drawn.
 void draw(Canvas& canvas, const Triangle& triangle, const Camera& camera, int left, int columns, double cut) {
-  const auto [x, y, inverse] = project(triangle, camera, left, columns, canvas.rows);
+  auto [x, y, inverse] = project(triangle.corner, camera);
+  for (std::size_t i = 0; i < 3; ++i) {
+    x[i] = left + columns * x[i];
+    y[i] *= canvas.rows;
+  }
   const double twice_area = (x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0]);
   if (!(std::abs(twice_area) > 1e-9)) return;
   std::array<double, 3> high{};  // of the triangle over each edge, in samples
@@ -234,7 +189,9 @@ std::string still_picture(const std::vector<ReportedMesh>& meshes, const FirstVi
   }
   Canvas canvas;
   const int columns = canvas.columns / static_cast<int>(panels.size());
-  Camera camera(static_cast<double>(columns) / canvas.rows, is_cut);
+  auto direction = first.direction;
+  if (is_cut) direction.from[cut_axis] *= before_section;
+  Camera camera(direction, static_cast<double>(columns) / canvas.rows);
   camera.fit(points);
   const double cut = is_cut ? -1e-9 * camera.distance : -std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < panels.size(); ++i)

@@ -97,7 +97,7 @@ void main() {
   color = vec4(ink, 1.0);
 }`;
 
-const LOOKS = {x: [-1, 0, 0], y: [0, -1, 0], z: [0, -0.0006, 1], home: [-1.05, -1.22, 0.72]};  // from where
+const LOOKS = {x: [-1, 0, 0], y: [0, -1, 0], z: [0, 0, 1], home: FIRST.from};  // from where
 const BEFORE_SECTION = 2.5;  // how much more `home` looks along the axis that a section is across
 const MANY_CORNERS = 200000;
 const FIELD_OF_VIEW = 35;  // degrees, of the shorter side of a panel
@@ -280,7 +280,7 @@ class Picture {
     this.renderer = new THREE.WebGLRenderer({canvas, antialias: isSmooth, alpha: true, preserveDrawingBuffer: true});
     this.renderer.autoClear = false;
     this.camera = new THREE.PerspectiveCamera(FIELD_OF_VIEW, 1, 0.01, 100);
-    this.camera.up.set(0, 0, 1);
+    this.camera.up.set(...FIRST.up);
     this.controls = new THREE.OrbitControls(this.camera, canvas);
     this.controls.addEventListener("change", () => this.draw());
     this.shared = {
@@ -330,22 +330,24 @@ class Picture {
   look(where) {
     const across = where === "home" ? this.scenes.find((scene) => scene.axis !== null)?.axis ?? null : null;
     const toward = new THREE.Vector3(...LOOKS[where].map((x, d) => d === across ? BEFORE_SECTION * x : x)).normalize();
-    const right = new THREE.Vector3(0, 0, 1).cross(toward).normalize(), up = toward.clone().cross(right);
-    const axes = [right, up, toward], low = [Infinity, Infinity, Infinity], high = low.map((x) => -x);
+    const {up: vertical} = this.camera;
+    if (Math.abs(toward.dot(vertical)) > 0.999) toward.addScaledVector(new THREE.Vector3(0, -vertical.z, vertical.z - 1), 0.0006).normalize();
+    const right = vertical.clone().cross(toward).normalize(), up = toward.clone().cross(right);
+    const axes = [right, up, toward], least = [Infinity, Infinity, Infinity], most = least.map((x) => -x);
     const along = ({x, y, z}, a, b, c) => x * a + y * b + z * c;
     this.forCorners(toward, (...p) => axes.forEach((axis, d) => {
       const place = along(axis, ...p);
-      low[d] = Math.min(low[d], place);
-      high[d] = Math.max(high[d], place);
+      least[d] = Math.min(least[d], place);
+      most[d] = Math.max(most[d], place);
     }));
-    const middle = low.map((x, d) => x <= high[d] ? (x + high[d]) / 2 : 0);
+    const middle = least.map((x, d) => x <= most[d] ? (x + most[d]) / 2 : 0);
     const [panel] = this.panels(), {clientWidth, clientHeight} = this.canvas;
     const aspect = panel && clientHeight ? panel.width * clientWidth / (panel.height * clientHeight) : 1;
-    const vertical = Math.tan(FIELD_OF_VIEW * Math.PI / 360) / Math.min(aspect, 1), horizontal = vertical * aspect;
+    const high = Math.tan(FIELD_OF_VIEW * Math.PI / 360) / Math.min(aspect, 1), wide = high * aspect;
     let distance = 0;
     this.forCorners(toward, (...p) => {
       const [x, y, z] = axes.map((axis, d) => along(axis, ...p) - middle[d]);
-      distance = Math.max(distance, z + 1.06 * Math.max(Math.abs(x) / horizontal, Math.abs(y) / vertical));
+      distance = Math.max(distance, z + 1.06 * Math.max(Math.abs(x) / wide, Math.abs(y) / high));
     });
     this.controls.target.set(0, 0, 0);
     axes.forEach((axis, d) => this.controls.target.addScaledVector(axis, middle[d]));
@@ -363,11 +365,13 @@ class Picture {
   }
 
   turn(right, up) {
-    const offset = new THREE.Vector3().subVectors(this.camera.position, this.controls.target), r = offset.length();
-    const around = Math.atan2(offset.y, offset.x) + right;
-    const height = Math.min(Math.max(Math.asin(offset.z / r) + up, -1.55), 1.55);
-    this.camera.position.copy(this.controls.target).add(new THREE.Vector3(
-      r * Math.cos(height) * Math.cos(around), r * Math.cos(height) * Math.sin(around), r * Math.sin(height)));
+    const {up: vertical} = this.camera;
+    const offset = new THREE.Vector3().subVectors(this.camera.position, this.controls.target);
+    offset.applyAxisAngle(vertical, right);
+    const height = Math.asin(offset.dot(vertical) / offset.length());
+    const down = height - Math.min(Math.max(height + up, -1.55), 1.55);
+    offset.applyAxisAngle(vertical.clone().cross(offset).normalize(), down);
+    this.camera.position.copy(this.controls.target).add(offset);
     this.controls.update();
     this.draw();
   }
