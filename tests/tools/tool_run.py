@@ -7,7 +7,6 @@ every function named test_... in a folder and a process of its own, several at a
 """
 import contextlib
 import fcntl
-import functools
 import hashlib
 import json
 import os
@@ -24,7 +23,6 @@ import h5py
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path += [str(ROOT / "tools/picture"), str(ROOT / "tests/support")]  # tet, the numbering of a tetrahedron; whole_meshio
-from launcher import is_of_open_mpi_5  # noqa: E402
 
 BIN = pathlib.Path(sys.argv[1])
 RANKS = int(sys.argv[2])
@@ -67,22 +65,6 @@ def check_head(tool, result, where):
     assert head["tool"] == tool and head["format"] == 1 and all(isinstance(name, str) for name in head["inputs"]), text[:400]
 
 
-@functools.cache
-def launcher_mixes_streams():
-    """Whether a part of a long report on standard output may arrive on standard error."""
-    return is_of_open_mpi_5(LAUNCHER[:-1])
-
-
-def run_by_file(command, at, **how):
-    """Runs a command whose word `at` has the report go to standard output, by a file instead: the streams hold the same then."""
-    with tempfile.NamedTemporaryFile(prefix="report-", suffix=".json", dir=SHARED) as file:
-        done = subprocess.run(command[:at] + [file.name] + command[at + 1:], **how)
-        report = pathlib.Path(file.name).read_text()
-    if report:
-        done.stdout, done.stderr = report, done.stderr + done.stdout
-    return done
-
-
 def run(tool, *arguments, code=0, serial=False, ranks=None):
     """Runs a tool on this many processes and expects this exit code. Bad input (2): one line of error and no output."""
     if ranks is None:
@@ -91,10 +73,7 @@ def run(tool, *arguments, code=0, serial=False, ranks=None):
     command = ([] if serial else launcher) + [str(BIN / tool)] + [str(a) for a in arguments]
     # Ranks that fail together end by themselves: mpirun need not give them a second to do so.
     environment = os.environ | ({"OMPI_MCA_odls_base_sigkill_timeout": "0"} if code else {})
-    how = {"capture_output": True, "text": True, "timeout": LIMIT, "env": environment}
-    at = command.index("--json") + 1 if "--json" in command else 0
-    by_file = at > 0 and command[at] == "-" and command[0] == (LAUNCHER or [""])[0] and launcher_mixes_streams()
-    result = Result(run_by_file(command, at, **how) if by_file else subprocess.run(command, **how))
+    result = Result(subprocess.run(command, capture_output=True, text=True, timeout=LIMIT, env=environment))
     shown = f"{' '.join(command)}\nexit code {result.code}, expected {code}\n{result.out}\n{result.err}"
     assert result.code == code, shown
     if code == 2:

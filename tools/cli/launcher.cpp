@@ -1,9 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/launcher.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <cstdlib>
+#include <fstream>
+#include <optional>
+#include <string>
 
 namespace pamr::cli {
 
@@ -13,5 +19,13 @@ bool is_under_launcher() {
 }
 
 bool launcher_holds_lines_back() { return is_under_launcher() && std::getenv("PRTE_LAUNCHED") != nullptr; }
+
+std::optional<std::uint64_t> bytes_read_by_parent() {
+  std::ifstream counts("/proc/" + std::to_string(::getppid()) + "/io");
+  std::string name;
+  std::uint64_t n_bytes = 0;
+  if (!(counts >> name >> n_bytes) || name != "rchar:") return std::nullopt;
+  return n_bytes;
+}
 
 }  // namespace pamr::cli
