@@ -44,7 +44,7 @@ void wait_for_errors(std::chrono::steady_clock::time_point latest) {
 }
 
 /// Standard output is a terminal of the launcher, which does not say how much of it has been read. But the system counts the
-/// bytes that the launcher reads, from whatever it be; what has been written is read once as many have been added.
+/// bytes that the launcher reads, of any file; what has been written is read once as many have been added.
 class OutputReader {
  public:
   /// Called before something is written.
