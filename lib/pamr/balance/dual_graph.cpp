@@ -2,6 +2,7 @@
 #include "pamr/balance/dual_graph.hpp"
 
 #include <algorithm>
+#include <numeric>
 
 #include "pamr/base/contract.hpp"
 #include "pamr/base/index.hpp"
@@ -46,7 +47,14 @@ constexpr unsigned bucket_bits = 18;
 
 /// Indices in ascending order of their buckets, those of one bucket in the order in which they stand.
 std::vector<std::uint32_t> sort_by_bucket(const std::vector<std::uint32_t>& bucket) {
-  std::vector<std::uint32_t> place((std::size_t{1} << bucket_bits) + 1, 0), order(bucket.size());
+  std::vector<std::uint32_t> order(bucket.size());
+  if (4 * bucket.size() < std::size_t{1} << bucket_bits) {  // counters would take more room than the rest of the mesh
+    std::iota(order.begin(), order.end(), 0U);
+    std::sort(order.begin(), order.end(),
+              [&](auto a, auto b) { return bucket[a] != bucket[b] ? bucket[a] < bucket[b] : a < b; });
+    return order;
+  }
+  std::vector<std::uint32_t> place((std::size_t{1} << bucket_bits) + 1, 0);
   for (const auto b : bucket) ++place[b + 1];
   for (std::size_t b = 1; b < place.size(); ++b) place[b] += place[b - 1];
   for (std::size_t i = 0; i < bucket.size(); ++i) order[place[bucket[i]]++] = static_cast<std::uint32_t>(i);

@@ -6,6 +6,10 @@
 #include <map>
 #include <set>
 
+#include "pamr/assemble/assemble.hpp"
+#include "pamr/assemble/kuhn_cube.hpp"
+#include "pamr/geometry/box.hpp"
+#include "pamr/geometry/tet_shape.hpp"
 #include "refined_mesh.hpp"
 
 namespace pamr {
@@ -100,14 +104,31 @@ TEST(DualGraph, HasOneVertexForEachFamilyAndNoParallelArcs) {
 
 TEST(DualGraph, GroupsCellsOfAboutTheSameWeight) {
   const par::Comm comm(MPI_COMM_WORLD);
-  auto mesh = test::refined_mesh(comm, 2);
-  const auto groups = balance::group_by_weight(mesh, ones(mesh), 10);
+  // Few cells are sorted, many counted.
+  for (const auto& mesh :
+       {test::refined_mesh(comm, 2), assemble::assemble(comm, assemble::kuhn_cube(comm, comm.size() == 1 ? 24 : 4))}) {
+    const auto groups = balance::group_by_weight(mesh, ones(mesh), 10);
+    expect_whole_families(mesh, groups);
+    for (std::size_t g = 0; g < groups.size(); ++g)
+      EXPECT_LT(groups.cells(g).size(), std::size_t{10 + mesh::max_family_size});
+    EXPECT_LT(groups.size(), mesh.cell_global.size() / 5 + 1);
+    expect_sound(comm, mesh, groups);
+  }
+}
 
-  expect_whole_families(mesh, groups);
-  for (std::size_t g = 0; g < groups.size(); ++g)
-    EXPECT_LT(groups.cells(g).size(), std::size_t{10 + mesh::max_family_size});
-  EXPECT_LT(groups.size(), mesh.cell_global.size() / 5 + 1);
-  expect_sound(comm, mesh, groups);
+TEST(DualGraph, GroupsAreCompactOnAnyNumberOfCells) {
+  const par::Comm comm(MPI_COMM_SELF);
+  for (const int n : {18, 24}) {  // one cube of each is cut into groups of some 60 cells: 35,000 and 83,000 cells
+    const auto mesh = assemble::assemble(comm, assemble::kuhn_cube(comm, n));
+    const auto groups = balance::group_by_weight(mesh, ones(mesh), 60);
+    double size = 0;
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+      geometry::Box box;
+      for (const auto cell : groups.cells(g)) box.extend(geometry::centroid(mesh.points(cell)));
+      size += box.diagonal() * n / static_cast<double>(groups.size());
+    }
+    EXPECT_LT(size, 5) << n;  // sides of a cube of six cells; in the order of the file it is 10
+  }
 }
 
 }  // namespace dual_graph_test
