@@ -2,8 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """How large the arrays of the largest rank are, over an even share of those on one rank, where cells move to Scotch's parts and are written
 in the order of the file again: few cells are refined, so that moving them takes the most memory, or many, so that writing may. Beyond what
-a process holds without cells. Exit code 1 where it is more than the bars: the old cells of a rank and those that come to it are there at
-once, so that moving has a higher one.
+a process holds without cells. Exit code 1 where it is more than the bars.
 
 Usage: memory_test.py TOOLS LIBRARY LAUNCHER...: the folder of the tools, the library made of own_memory.cpp, and the command that starts
 as many ranks as the number behind it.
@@ -16,7 +15,7 @@ import tempfile
 
 TOOLS, LIBRARY, LAUNCHER = pathlib.Path(sys.argv[1]).resolve(), os.path.abspath(sys.argv[2]), sys.argv[3:]
 RANKS = 4
-BARS = {"moving": (("--crossing-sphere", "0,0,0,0.2"), 1.4), "writing": (("--centroid-shell", "0.1,0,0,0,0.75"), 1.3)}
+BARS = {"moving": (("--crossing-sphere", "0,0,0,0.2"), 1.3), "writing": (("--centroid-shell", "0.1,0,0,0,0.75"), 1.3)}
 
 
 def tool(name, *arguments, launcher=(), **environment):
