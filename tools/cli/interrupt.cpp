@@ -13,6 +13,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
+#include <optional>
 #include <string_view>
 
 #include "cli/step_clock.hpp"
@@ -100,7 +101,7 @@ struct Line {
 constexpr std::array signals_of_crash{SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT};
 Line crash_line, end_line;
 std::array<struct sigaction, signals_of_crash.size()> before_crash{};
-int kept_code = 0;
+std::optional<int> kept_code;
 
 /// Then the handler that was there before gets the signal.
 extern "C" void say_what_is_complete(int signal) {
@@ -111,13 +112,13 @@ extern "C" void say_what_is_complete(int signal) {
 }
 
 extern "C" void end_with_kept_code(int) {
-  (void)write_line(end_line.view());
-  ::_exit(kept_code);
+  if (end_line.length > 0) (void)write_line(end_line.view());
+  ::_exit(*kept_code);
 }
 
 /// The last of the functions that run at the end of a process: another may have ended it with a code of its own.
 void keep_code_at_exit(int code, void*) {
-  if (end_line.length == 0 || code == kept_code) return;
+  if (!kept_code || code == *kept_code) return;
   std::fflush(nullptr);
   end_with_kept_code(0);
 }
@@ -156,11 +157,13 @@ void guard_exit_code() {
 #endif
 }
 
-void keep_outcome(const std::string& tool, int code) {
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGUSR1}) std::signal(signal, SIG_IGN);
+void keep_outcome([[maybe_unused]] const std::string& tool, int code, bool is_error) {
+  if (!is_error)
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGUSR1}) std::signal(signal, SIG_IGN);
 #ifndef __SANITIZE_ADDRESS__  // which tells more
   kept_code = code;
-  end_line.set(tool + ": warning: MPI or another library failed while the process ended, when all work was done");
+  if (!is_error)
+    end_line.set(tool + ": warning: MPI or another library failed while the process ended, when all work was done");
   for (const int signal : signals_of_crash) std::signal(signal, end_with_kept_code);
 #endif
 }

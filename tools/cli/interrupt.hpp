@@ -21,10 +21,12 @@ void tell_of_crash(const std::string& tool);
 /// Local.
 void guard_exit_code();
 
-/// From here on all ranks have done their work, and outputs are complete. Interrupts are ignored; a signal of a crash,
-/// of MPI while it ends or of another library, is a warning, as is an exit code that one of these chooses: it is `code`.
-/// Local.
-void keep_outcome(const std::string& tool, int code);
+/// From here on all ranks have done their work, and outputs are complete, or `is_error` and it has been printed. The exit
+/// code is `code`, also after a signal of a crash, of MPI while it ends or of another library, or where one of these
+/// chooses another code: that is a warning, or nothing after an error. Interrupts are ignored, but after an error: mpirun
+/// sends them to the ranks that are not the first to leave. Local.
+/// Open MPI 4 crashes in one of some thousand calls of MPI_Finalize (open-mpi/ompi, issue 10117).
+void keep_outcome(const std::string& tool, int code, bool is_error);
 
 /// Called before this process ends all others because of an error that it has told: mpirun then has SIGTERM end them,
 /// and they are to be silent. Exact on one machine; on several another line may follow the error. Local.

@@ -154,7 +154,7 @@ int run_tool(int argc, char** argv, const ToolInfo& info, const std::function<vo
   const int code =
       runtime.end(static_cast<int>(ending.code), ending.error, ending.error.empty() ? for_ever : patience_after_error);
   // What happens to the process later changes nothing that it has done.
-  if (code < static_cast<int>(ExitCode::bad_input)) keep_outcome(info.name, code);
+  keep_outcome(info.name, code, code >= static_cast<int>(ExitCode::bad_input));
   return code;
 }
 

@@ -231,6 +231,13 @@ class LifeOfATool(unittest.TestCase):
                 found = re.sub(r"its error \d+", "its error {}", result.stderr)
                 self.assertEqual((result.returncode, found), (0, ranks * said), (ranks, how))
 
+    def test_nothing_changes_an_error_that_was_printed(self):
+        if "ASAN_OPTIONS" in os.environ:
+            return  # the sanitizer sees a crash first
+        for ranks in (1, 3):
+            for how in ("crash-at-end", "crash-at-exit", "code-at-exit"):
+                self.assert_error_once(run(ranks, self.input, "--how", how + "-of-error"), 2, "expected a report, found none")
+
     def test_what_fails_behind_an_output_says_that_it_is_complete(self):
         out = self.path("out")
         said = f"; complete: '{out}'"

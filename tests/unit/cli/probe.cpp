@@ -70,6 +70,16 @@ void misbehave_behind_output(const std::string& how, const pamr::par::Comm& comm
   if (how.ends_with("-behind")) comm.barrier();
 }
 
+/// Behind the work, or `...-of-error` behind an error of all ranks.
+void misbehave_at_end(const std::string& how) {
+  if (how.starts_with("crash-at-end")) signal_at_end = SIGSEGV;
+  if (how == "interrupt-at-end") signal_at_end = SIGTERM;
+  if (how.starts_with("crash-at-exit")) std::atexit([] { (void)std::raise(SIGSEGV); });
+  if (how == "error-at-end") code_at_end = MPI_ERR_OTHER;
+  if (how.starts_with("code-at-exit")) std::atexit([] { std::exit(7); });
+  if (how.ends_with("-of-error")) throw pamr::Error("expected a report, found none");
+}
+
 ExitCode work(Session& session, const std::string& input, const std::string& output, bool force,
               const std::string& how) {
   if (!input.empty()) session.check_input(input);
@@ -108,11 +118,7 @@ ExitCode work(Session& session, const std::string& input, const std::string& out
     for (int i = 0; i < 60; ++i) line += ", part " + std::to_string(i);
     session.summary(line + "; end");
   }
-  if (how == "crash-at-end") signal_at_end = SIGSEGV;
-  if (how == "interrupt-at-end") signal_at_end = SIGTERM;
-  if (how == "crash-at-exit") std::atexit([] { (void)std::raise(SIGSEGV); });
-  if (how == "error-at-end") code_at_end = MPI_ERR_OTHER;
-  if (how == "code-at-exit") std::atexit([] { std::exit(7); });
+  misbehave_at_end(how);
   if (how == "warn") session.warn("a file named a\nb\x1b");
   session.summary("done on " + std::to_string(session.comm().size()) + " ranks");
   return how == "gate" ? ExitCode::failed : ExitCode::done;
