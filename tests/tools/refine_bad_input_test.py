@@ -4,6 +4,7 @@ import os
 import pathlib
 import shutil
 import subprocess
+import tempfile
 
 import h5py
 import numpy as np
@@ -413,6 +414,9 @@ def test_a_stream_is_no_mesh():
             with open("cube.hdf", "rb") as mesh:
                 done = subprocess.run([str(BIN / tool), name, *more], stdin=mesh, capture_output=True, text=True, timeout=LIMIT)
             assert done.returncode == 2 and f"{name}: expected the name of a file on a disk" in done.stderr, done.stderr
+    if os.access("/dev/shm", os.W_OK):
+        with tempfile.TemporaryDirectory(dir="/dev/shm") as memory:
+            run("pamr-mark", kuhn_cube(f"{memory}/cube.hdf", 1), "--all", "-o", f"{memory}/out.hdf")
 
 
 def test_the_same_input_is_still_good_after_all_that():

@@ -65,8 +65,9 @@ void require_readable(const std::string& path) {
 }
 
 void require_named(const std::string& path) {
-  const auto plain = fs::path(path).lexically_normal().string();
-  if (plain.starts_with("/dev/") || plain.starts_with("/proc/"))
+  const auto plain = fs::path(path).lexically_normal();
+  // not /dev/shm, where files lie in memory
+  if (plain.parent_path() == "/dev" || plain.parent_path() == "/dev/fd" || plain.string().starts_with("/proc/"))
     throw Error(path +
                 ": expected the name of a file on a disk, found a stream of this process, which its child and other "
                 "ranks do not have: write it to a file first");
