@@ -36,14 +36,17 @@ static void* next(const char* name) {
   return dlsym(RTLD_NEXT, name);
 }
 
-/* A user's file: not a pipe, no memory that has a file's face, nothing of the system, and nothing of Open MPI's. */
+/* A user's file: not a pipe, no memory that has a file's face, which lies in no folder of /dev/shm, nothing of the system, and nothing of
+   Open MPI's. */
 static int is_file(int fd) {
   struct stat status;
   char name[32], target[4096] = {0};
   if (fstat(fd, &status) != 0 || !S_ISREG(status.st_mode)) return 0;
   snprintf(name, sizeof name, "/proc/self/fd/%d", fd);
   if (readlink(name, target, sizeof target - 1) <= 0) return 0;
-  static const char* const others[] = {"/memfd:", "/dev/shm/", "/proc/", "/sys/", "/usr/", "/etc/"};
+  static const char memory[] = "/dev/shm/";
+  if (strncmp(target, memory, strlen(memory)) == 0 && strchr(target + strlen(memory), '/') == NULL) return 0;
+  static const char* const others[] = {"/memfd:", "/proc/", "/sys/", "/usr/", "/etc/"};
   for (size_t i = 0; i < sizeof others / sizeof *others; ++i)
     if (strncmp(target, others[i], strlen(others[i])) == 0) return 0;
   return strstr(target, "/ompi.") == NULL && strstr(target, "/OMPIO_") == NULL;

@@ -102,6 +102,8 @@ def broken_disk(stage):
     if stage.inputs():
         most = 4 * max(map(os.path.getsize, stage.inputs()))
         tally += collections.Counter(with_fault(stage, f"broken:{n}") for n in limits(most))
+    if not tally["failed"]:
+        raise Broken("no broken disk made it fail")
     return tally
 
 
