@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/// Main function of every test program. `--serial=FILE` leaves out the tests of that source on several ranks. MPI is
-/// called directly here, so that the verdict does not rest on the code under test.
+/// Main function of every test program. On several ranks `--serial=FILE` leaves out the tests of that source, and
+/// `--leave-out=PATTERN` those of these names. MPI is called directly here, so that the verdict does not rest on the code
+/// under test.
 #include <gtest/gtest.h>
 #include <mpi.h>
 
@@ -9,6 +10,8 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #ifdef __SANITIZE_ADDRESS__
 #include <sanitizer/lsan_interface.h>
@@ -47,6 +50,9 @@ class RankListener : public testing::EmptyTestEventListener {
 
 void leave_out_serial_tests(int argc, char** argv) {
   std::string names;
+  const std::string_view leave_out = "--leave-out=";
+  for (const std::string_view argument : std::vector<std::string_view>(argv + 1, argv + argc))
+    if (argument.starts_with(leave_out)) names += ":" + std::string(argument.substr(leave_out.size()));
   const auto& tests = *testing::UnitTest::GetInstance();
   for (int s = 0; s < tests.total_test_suite_count(); ++s)
     for (int t = 0; t < tests.GetTestSuite(s)->total_test_count(); ++t) {

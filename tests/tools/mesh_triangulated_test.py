@@ -149,8 +149,9 @@ def test_a_body_stands_in_the_ground_and_a_ball_cuts_its_corner():
                 "far = 0.7\nnear = { body = 0.4, ball = 0.25 }",
                 body_toml("block.stl") + ball + walls + plane("ground", [0, 0, 0.4], [0, 0, 1]))
     run("pamr-mesh", text, "-o", "ground.hdf")
-    run("pamr-mesh", text, "-o", "again.hdf", "--quiet", serial=RANKS > 1)
-    assert same_bytes("ground.hdf", "again.hdf")
+    if FULL:
+        run("pamr-mesh", text, "-o", "again.hdf", "--quiet", serial=RANKS > 1)
+        assert same_bytes("ground.hdf", "again.hdf")
 
     missing = []
     for name in refine("ground.hdf", 2 if FULL else 1, "--all"):
@@ -204,8 +205,9 @@ def test_a_body_that_is_thinner_than_its_edges_is_warned_of_by_place():
     bounds = [[-1, -1, -1], [1, 1, 1]]
     warned = run("pamr-mesh", case("plate.toml", "-body", bounds, "far = 0.4", body_toml("plate.stl")), "-o", "plate.hdf", serial=True)
     assert "the body is 0.25 thick near [" in warned.err.lower() and "[mesh.sizes] far" in warned.err, warned.err
-    out = run("pamr-mesh", case("plate.toml", "-body", bounds, "far = 0.3", body_toml("plate.stl")), "-o", "fine.hdf", serial=True)
-    assert "thick" not in out.err, out.err
+    if FULL:
+        out = run("pamr-mesh", case("plate.toml", "-body", bounds, "far = 0.3", body_toml("plate.stl")), "-o", "fine.hdf", serial=True)
+        assert "thick" not in out.err, out.err
 
 
 def test_a_surface_that_cuts_through_itself_is_told():

@@ -96,21 +96,32 @@ def test_levels_of_a_sphere_in_the_kuhn_cube():
     print(f"        {POLICY}: {report['cells_out']} cells, mean ratio {found['mean_ratio']['min']:.3f}")
 
 
+def test_levels_at_the_sphere_in_a_box():
+    mesh = "level0.hdf"
+    run("pamr-mesh", "--shape", "sphere-in-box", "-o", mesh, "--quiet", ranks=1)
+    add_fields(mesh, near_box=([-1.5, -1.5, 0], [1.5, 1.5, 1.5]))
+    check_at_walls(mesh, ["--patch", "sphere", "--layers", "2", "--only-where", "near:above:0.5"], 2, 4)
+
+
+@of_full_level
 def test_levels_at_the_shoulder_of_the_blunt_cone():
     mesh = "level0.hdf"
     run("pamr-mesh", "--shape", "blunt-cone", "-o", mesh, "--quiet", ranks=1)
     add_fields(mesh, near_box=([7e-3, -1, 22e-3], [11e-3, 3e-3, 27e-3]))
-    criteria = ["--patch", "forebody", "--layers", "2", "--only-where", "near:above:0.5"]
-    last = 3 if FULL else 2
+    check_at_walls(mesh, ["--patch", "forebody", "--layers", "2", "--only-where", "near:above:0.5"], 3, 0.05)
+
+
+def check_at_walls(mesh, criteria, last, size):
+    """Levels at curved walls of a body of this size."""
     for level in range(1, last + 1):
         mesh, report = next_level(mesh, level, criteria, last)
         assert report["off_surface_nodes"] == 0, report["off_surface_nodes"]
     found = check_mesh(mesh)
     worst = max(patch["worst_distance"] for patch in found["patches"].values())
-    assert worst <= 1e-12 * 0.05, f"a node is {worst} m off its surface"
+    assert worst <= 1e-12 * size, f"a node is {worst} off its surface"
     print(f"        {POLICY}: {report['cells_out']} cells, mean ratio {found['mean_ratio']['min']:.3f}")
 
 
 if POLICY != "removable":
-    of_full_level(test_levels_at_the_shoulder_of_the_blunt_cone)
+    of_full_level(test_levels_at_the_sphere_in_a_box)
 run_tests(globals())
