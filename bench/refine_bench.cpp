@@ -132,6 +132,7 @@ class Silent : public benchmark::BenchmarkReporter {
 // Every rank has to run each benchmark the same number of times, so the number is fixed.
 BENCHMARK_CAPTURE(limit, ordinary pages, false)
     ->Name("limit")
+    ->Arg(20)
     ->Arg(55)
     ->UseManualTime()
     ->Iterations(1)

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Speed and memory of one refinement: `limit`, W1, W2, W3, each in a process of its own so that peaks do not mix; then
-# W3 with cells, nodes and marks in random order.
-# Usage: run.sh [BUILD] [RANKS]   (default: build/release, 1 rank)
+# Speed and memory of one refinement: `limit`, W1, W2, W3, each in a process of its own so that peaks do not mix: a part of
+# report.sh (table one-rank).
+# Usage: run.sh [BUILD] [RANKS] [tiny]   (default: build/release, 1 rank; tiny: small meshes, which show that it works)
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 bench=${1:-$root/build/release}/bench/bench_refine
@@ -14,7 +14,9 @@ echo "$(date +%F), commit $(git -C "$root" rev-parse --short HEAD), $(sed -n 's/
 columns='Mcells_per_cpu_s Mcells_per_wall_s cells_out bytes_at_rest_per_cell peak_bytes_per_cell largest_rank_peak_MB'
 echo "| workload (medians of 5) | ${columns// / | } |"
 echo "|---|---|---|---|---|---|---|"
-for workload in limit/55 W1/55 W2/n:56/policy:0 W2/n:56/policy:3 W3/n:14/level:{1,2,3,4,5}; do
+workloads="limit/55 W1/55 W2/n:56/policy:0 W2/n:56/policy:3 $(echo W3/n:14/level:{1,2,3,4,5})"
+[ "${3:-}" != tiny ] || workloads="limit/20 W1/20 W2/n:20/policy:3 W3/n:14/level:1"
+for workload in $workloads; do
   mpirun -n "$ranks" "$bench" "--benchmark_filter=^$workload/" --benchmark_format=csv 2>/dev/null |
     python3 -c '
 import csv, sys
@@ -23,6 +25,3 @@ median = next(row for row in rows if row["name"].endswith("_median"))
 print("|", sys.argv[1], "|", " | ".join("%.4g" % float(median.get(c) or "nan") for c in sys.argv[2:]), "|")
 ' "$workload" $columns
 done
-
-echo
-mpirun -n "$ranks" "${bench%/*}/bench_order" 14 5 5

@@ -1,5 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""dolfinx: `mesh.refine`, Plaza and Carey's bisection of longest edges, of the marked edges or of all."""
+"""dolfinx: `mesh.refine`, Plaza and Carey's bisection of longest edges, of the marked edges or of all.
+
+Written for 0.5, which Debian 12 has, and for 0.9 and later.
+"""
+
 import dolfinx
 import numpy as np
 import ufl
@@ -7,6 +11,16 @@ from dolfinx import mesh as dolfinx_mesh
 from mpi4py import MPI
 
 import workload
+
+IS_OLD = tuple(map(int, dolfinx.__version__.split(".")[:2])) < (0, 9)
+
+
+def linear_tetrahedron():
+    if IS_OLD:
+        return ufl.Mesh(ufl.VectorElement("Lagrange", ufl.tetrahedron, 1))
+    import basix.ufl
+
+    return ufl.Mesh(basix.ufl.element("Lagrange", "tetrahedron", 1, shape=(3,)))
 
 
 class Dolfinx:
@@ -17,26 +31,25 @@ class Dolfinx:
     def __init__(self):
         self.marked_edges = None
 
-    def start(self, n):
-        mesh = dolfinx_mesh.create_box(MPI.COMM_SELF, [np.zeros(3), np.ones(3)], [n] * 3,
-                                       dolfinx_mesh.CellType.tetrahedron)
-        assert workload.is_kuhn_cube(self.corners(mesh), n), f"expected dolfinx to make the Kuhn cube K({n})"
-        mesh.topology.create_entities(1)
-        return mesh
-
-    def load(self, cells, nodes):
-        element = ufl.VectorElement("Lagrange", ufl.tetrahedron, 1)
-        mesh = dolfinx_mesh.create_mesh(MPI.COMM_SELF, cells, nodes, ufl.Mesh(element))
+    def start(self, cells, nodes):
+        if IS_OLD:
+            mesh = dolfinx_mesh.create_mesh(MPI.COMM_SELF, cells, nodes, linear_tetrahedron())
+        else:
+            mesh = dolfinx_mesh.create_mesh(MPI.COMM_SELF, cells, linear_tetrahedron(), nodes)
         mesh.topology.create_entities(1)
         return mesh
 
     def mark(self, mesh, flags):
         mesh.topology.create_entities(1)
         mesh.topology.create_connectivity(3, 1)
-        self.marked_edges = dolfinx_mesh.compute_incident_entities(mesh, np.flatnonzero(flags).astype(np.int32), 3, 1)
+        self.marked_edges = dolfinx_mesh.compute_incident_entities(
+            mesh if IS_OLD else mesh.topology, np.flatnonzero(flags > 0).astype(np.int32), 3, 1
+        )
 
     def refine(self, mesh):
-        return dolfinx_mesh.refine(mesh, self.marked_edges, redistribute=False)
+        if IS_OLD:
+            return dolfinx_mesh.refine(mesh, self.marked_edges, redistribute=False)
+        return dolfinx_mesh.refine(mesh, self.marked_edges)[0]
 
     def relate(self, mesh):
         mesh.topology.create_entities(2)
@@ -47,7 +60,8 @@ class Dolfinx:
         return mesh.topology.index_map(3).size_local
 
     def corners(self, mesh):
-        return mesh.geometry.x[mesh.geometry.dofmap.array.reshape(-1, 4)]
+        cells = mesh.geometry.dofmap
+        return mesh.geometry.x[(cells.array if IS_OLD else np.asarray(cells)).reshape(-1, 4)]
 
 
 workload.main(Dolfinx())

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Gmsh: `gmsh.model.mesh.refine`, the uniform split that `gmsh -refine` applies, without reading and writing files."""
+
 import gmsh
 import numpy as np
 
@@ -16,8 +17,7 @@ class Gmsh:
     name = "Gmsh " + gmsh.option.getString("General.Version")
     relate = None
 
-    def start(self, n):
-        cells, nodes = workload.kuhn_cube(n)
+    def start(self, cells, nodes):
         gmsh.clear()
         volume = gmsh.model.addDiscreteEntity(3)
         gmsh.model.mesh.addNodes(3, volume, np.arange(1, len(nodes) + 1), nodes.ravel())
@@ -30,6 +30,13 @@ class Gmsh:
 
     def count(self, volume):
         return len(gmsh.model.mesh.getElementsByType(TETRAHEDRON, volume)[0])
+
+    def corners(self, volume):
+        tags, coordinates, _ = gmsh.model.mesh.getNodes()
+        number = np.zeros(int(tags.max()) + 1, dtype=np.int64)
+        number[tags.astype(np.int64)] = np.arange(len(tags))
+        cells = gmsh.model.mesh.getElementsByType(TETRAHEDRON, volume)[1].astype(np.int64).reshape(-1, 4)
+        return coordinates.reshape(-1, 3)[number[cells]]
 
 
 workload.main(Gmsh())

@@ -2,7 +2,7 @@
 // netgen on the workloads of docs/reports/performance.md: uniform refinement (W1) and bisection of marked cells, which
 // cuts a marked cell three times. `UpdateTopology`, by which its users get the faces of the cells, is part of
 // bisection; after uniform refinement it is timed apart. Both work on the mesh in place. Command line and output:
-// workload.hpp.
+// workload.py.
 #include <map>
 #include <memory>
 #include <meshing.hpp>
@@ -13,13 +13,14 @@ namespace {
 
 class Netgen {
  public:
-  explicit Netgen(const peer::PlainMesh& plain) : mesh_(std::make_unique<netgen::Mesh>()) {
+  explicit Netgen(const std::string& mesh_name) : mesh_(std::make_unique<netgen::Mesh>()) {
+    const auto plain = peer::mesh_named(mesh_name);
     netgen::printmessage_importance = 0;
     mesh_->SetDimension(3);
     mesh_->AddFaceDescriptor(netgen::FaceDescriptor(1, 1, 0, 1));
     mesh_->GetFaceDescriptor(1).SetBCProperty(1);
     for (const auto& p : plain.node) mesh_->AddPoint(netgen::Point3d(p[0], p[1], p[2]));
-    for (const auto& face : boundary(plain)) {
+    for (const auto& face : peer::boundary_of(plain)) {
       netgen::Element2d element(1 + face[0], 1 + face[1], 1 + face[2]);
       element.SetIndex(1);
       mesh_->AddSurfaceElement(element);
@@ -50,10 +51,10 @@ class Netgen {
     }
   }
 
-  void mark(const std::vector<bool>& flags) {
+  void mark(const std::vector<std::int8_t>& flags) {
     is_uniform_ = flags.empty();
     for (std::size_t cell = 0; cell < flags.size(); ++cell)
-      mesh_->VolumeElement(netgen::ElementIndex(static_cast<int>(cell))).SetRefinementFlag(flags[cell]);
+      mesh_->VolumeElement(netgen::ElementIndex(static_cast<int>(cell))).SetRefinementFlag(flags[cell] > 0);
   }
 
   void refine() {
@@ -68,25 +69,9 @@ class Netgen {
     mesh_->UpdateTopology();
     return true;
   }
-  bool coarsen() { return false; }
+  bool mark_more() { return false; }
 
  private:
-  /// Faces with one cell, seen from outside.
-  static std::vector<std::array<int, 3>> boundary(const peer::PlainMesh& plain) {
-    constexpr std::array<std::array<std::size_t, 3>, 4> face_to_corner{{{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
-    std::map<std::array<int, 3>, std::array<int, 3>> open;
-    for (const auto& n : plain.cell)
-      for (const auto& f : face_to_corner) {
-        const std::array<int, 3> face{n[f[0]], n[f[1]], n[f[2]]};
-        auto key = face;
-        std::sort(key.begin(), key.end());
-        if (!open.emplace(key, face).second) open.erase(key);
-      }
-    std::vector<std::array<int, 3>> faces;
-    for (const auto& [key, face] : open) faces.push_back(face);
-    return faces;
-  }
-
   std::unique_ptr<netgen::Mesh> mesh_;
   bool is_uniform_ = false;
 };

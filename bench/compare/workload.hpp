@@ -5,41 +5,45 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
+#include <cstring>
 #include <ctime>
 #include <fstream>
 #include <functional>
+#include <iterator>
 #include <map>
+#include <optional>
 #include <sstream>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
-/// The workloads of docs/reports/performance.md for peers that speak C++: mesh, marks, clock, memory, shapes. What
-/// workload.py is for Python; command line and output are the same.
-///
-/// A peer is a class with
-///   Peer(const PlainMesh&)       makes the mesh in the peer's own data structure
-///   name()                       name and version
-///   n_cells(), corners(visit)    number of cells; visit(Corners) for each, always in the same order
-///   mark(flags)                  hands over a flag for each cell in that order; not timed. Empty: all
-///   refine()                     the timed call
-///   relate()                     the peer's way to the cells on both sides of a face, where `refine` does not include
-///                                it: true when it did something
-///   coarsen()                    goes back one level: true when it could; timed apart
-namespace peer {
+#include "assess.hpp"
 
-using Point = std::array<double, 3>;
-using Corners = std::array<Point, 4>;
+/// The workloads of docs/reports/performance.md for codes that speak C++, ours included: mesh, marks, clock, memory.
+/// What workload.py is for Python; command line and output are the same and are explained there.
+///
+/// A code is a class with
+///   Peer(const std::string& mesh)  makes the mesh in its own data structure; `mesh_named` reads it
+///   name()                         name and version
+///   n_cells(), corners(visit)      number of cells; visit(Corners) for each, always in the same order
+///   mark(flags)                    hands over a flag for each cell in that order: 1 split, -1 coarsen if possible, 0 keep;
+///                                  not timed. Empty: split all
+///   refine()                       the timed call
+///   mark_more()                    marks for another call that the same work takes; false when there is none
+///   relate()                       the code's way to the cells on both sides of a face, where `refine` does not include
+///                                  it: true when it did something
+namespace peer {
 
 struct PlainMesh {
   std::vector<Point> node;
   std::vector<std::array<int, 4>> cell;  ///< positive: (p1 - p0) x (p2 - p0) . (p3 - p0) > 0
 };
 
-constexpr double growth = 4.5;  ///< of a level of W3 over the one before, in memory
+constexpr double growth = 4.5;  ///< of a level around a sphere over the one before, in memory
 
 inline double cpu_seconds() {
   timespec now{};
@@ -120,27 +124,30 @@ inline PlainMesh mesh_named(const std::string& name) {
   return name.rfind("kuhn:", 0) == 0 ? kuhn_cube(std::stoi(name.substr(5))) : read_mesh(name);
 }
 
-using Law = std::function<bool(const Corners&)>;
-
-inline Point centroid(const Corners& p) {
-  Point sum{};
-  for (std::size_t axis = 0; axis < 3; ++axis) sum[axis] = 0.25 * (p[0][axis] + p[1][axis] + p[2][axis] + p[3][axis]);
-  return sum;
+/// Faces of one cell, by their nodes, seen from outside.
+inline std::vector<std::array<int, 3>> boundary_of(const PlainMesh& plain) {
+  constexpr std::array<std::array<std::size_t, 3>, 4> face_to_corner{{{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
+  std::map<std::array<int, 3>, std::array<int, 3>> open;
+  for (const auto& n : plain.cell)
+    for (const auto& f : face_to_corner) {
+      const std::array<int, 3> face{n[f[0]], n[f[1]], n[f[2]]};
+      auto key = face;
+      std::sort(key.begin(), key.end());
+      if (!open.emplace(key, face).second) open.erase(key);
+    }
+  std::vector<std::array<int, 3>> faces;
+  for (const auto& [key, face] : open) faces.push_back(face);
+  return faces;
 }
 
-inline double distance(const Point& p, const Point& q) { return std::hypot(p[0] - q[0], p[1] - q[1], p[2] - q[2]); }
+using Law = std::function<bool(const Corners&)>;
 
-constexpr Point middle{0.5, 0.5, 0.5};
-constexpr double sphere_radius = 0.35, shell_width = 0.06;
+constexpr double shell_width = 0.06;
 
 /// Cells cut by a sphere: a corner within, another without.
 inline Law cut_by_sphere(Point center, double radius) {
   return [=](const Corners& p) {
-    double nearest = 1e300, farthest = 0;
-    for (const auto& corner : p) {
-      nearest = std::min(nearest, distance(corner, center));
-      farthest = std::max(farthest, distance(corner, center));
-    }
+    const auto [nearest, farthest] = distances(p, center);
     return nearest < radius && radius < farthest;
   };
 }
@@ -155,8 +162,11 @@ inline Law inside_box(Point low, Point high) {
   };
 }
 
-/// `sphere:X,Y,Z,R` or `box:X0,Y0,Z0,X1,Y1,Z1`.
 inline Law law_named(const std::string& name) {
+  if (name == "uniform") return [](const Corners&) { return true; };
+  if (name == "shell")
+    return [](const Corners& p) { return std::abs(distance(centroid(p), {0.5, 0.5, 0.5}) - 0.35) < shell_width; };
+  if (name == "wall") return [](const Corners& p) { return distances(p, hole_center).first <= on_wall * hole_radius; };
   std::vector<double> numbers;
   std::istringstream list(name.substr(name.find(':') + 1));
   for (std::string number; std::getline(list, number, ',');) numbers.push_back(std::stod(number));
@@ -164,49 +174,8 @@ inline Law law_named(const std::string& name) {
     return cut_by_sphere({numbers[0], numbers[1], numbers[2]}, numbers[3]);
   if (name.rfind("box:", 0) == 0 && numbers.size() == 6)
     return inside_box({numbers[0], numbers[1], numbers[2]}, {numbers[3], numbers[4], numbers[5]});
-  throw std::runtime_error("expected sphere:X,Y,Z,R or box:X0,Y0,Z0,X1,Y1,Z1, found " + name);
-}
-
-inline Law law_of(const std::string& workload) {
-  if (workload == "W3") return cut_by_sphere(middle, sphere_radius);
-  return [](const Corners& p) { return std::abs(distance(centroid(p), middle) - sphere_radius) < shell_width; };
-}
-
-/// 12 (3V)^(2/3) / sum of squared edges, 1 for a regular tetrahedron.
-inline double mean_ratio(const Corners& p) {
-  std::array<Point, 3> d{};
-  double squares = 0;
-  for (std::size_t i = 0; i < 4; ++i)
-    for (std::size_t j = i + 1; j < 4; ++j) squares += std::pow(distance(p[i], p[j]), 2);
-  for (std::size_t i = 0; i < 3; ++i)
-    for (std::size_t axis = 0; axis < 3; ++axis) d[i][axis] = p[i + 1][axis] - p[0][axis];
-  const double six_volumes = d[0][0] * (d[1][1] * d[2][2] - d[1][2] * d[2][1]) -
-                             d[0][1] * (d[1][0] * d[2][2] - d[1][2] * d[2][0]) +
-                             d[0][2] * (d[1][0] * d[2][1] - d[1][1] * d[2][0]);
-  return 12 * std::pow(std::abs(six_volumes) / 2, 2.0 / 3) / squares;
-}
-
-struct Shapes {
-  double worst = 1, low = 1, mean = 0;  ///< low: one cell of a thousand is below
-};
-
-template <class Peer>
-Shapes shapes(Peer& peer) {
-  std::vector<double> ratio;
-  peer.corners([&](const Corners& p) { ratio.push_back(mean_ratio(p)); });
-  Shapes found;
-  for (const double r : ratio) found.mean += r / static_cast<double>(ratio.size());
-  std::sort(ratio.begin(), ratio.end());
-  found.worst = ratio.front();
-  found.low = ratio[ratio.size() / 1000];
-  return found;
-}
-
-template <class Peer>
-void mark(Peer& peer, const Law& law) {
-  std::vector<bool> flags;
-  peer.corners([&](const Corners& p) { flags.push_back(law(p)); });
-  peer.mark(flags);
+  throw std::runtime_error("expected uniform, shell, wall, front, sphere:X,Y,Z,R or box:X0,Y0,Z0,X1,Y1,Z1, found " +
+                           name);
 }
 
 template <class Call>
@@ -216,88 +185,126 @@ double measured(Call&& call) {
   return cpu_seconds() - start;
 }
 
-/// All the way back, one level a call.
+/// One line: what is known of a level, and with `assessment` what workload.py says that it has.
 template <class Peer>
-void time_coarsening(Peer& peer, const std::string& workload, int level, int run) {
-  const auto n_cells = peer.n_cells();
-  int calls = 0;
-  const double cpu = measured([&] {
-    while (peer.coarsen()) ++calls;
-  });
-  if (calls > 0)
-    std::printf(
-        "{\"peer\": \"%s\", \"coarsening\": \"%s\", \"level\": %d, \"run\": %d, \"cells\": %zu, \"cells_left\": %zu, "
-        "\"calls\": %d, \"cpu\": %.6f}\n",
-        peer.name().c_str(), workload.c_str(), level, run, n_cells, peer.n_cells(), calls, cpu);
+void print_line(const Peer& peer, const std::string& workload, int level, const std::string& values,
+                const std::optional<Assessment>& assessment) {
+  std::printf("{\"peer\": \"%s\", \"workload\": \"%s\", \"level\": %d, \"cells\": %zu%s%s}\n", peer.name().c_str(),
+              workload.c_str(), level, peer.n_cells(), values.c_str(), assessment ? text_of(*assessment).c_str() : "");
+  std::fflush(stdout);
+}
+
+inline std::string value_text(const std::string& key, double value) {
+  std::array<char, 64> text{};
+  std::snprintf(text.data(), text.size(), ", \"%s\": %.9g", key.c_str(), value);
+  return text.data();
 }
 
 template <class Peer>
-void one_run(const std::string& workload, int n, int levels, int run) {
+std::vector<std::int8_t> flags_of(Peer& peer, const Law& law) {
+  std::vector<std::int8_t> flags;
+  flags.reserve(peer.n_cells());
+  peer.corners([&](const Corners& p) { flags.push_back(law(p) ? 1 : 0); });
+  return flags;
+}
+
+template <class Peer>
+void follow_levels(const std::string& workload, const std::string& mesh_name, int levels, bool assesses) {
+  const auto law = law_named(workload);
+  const bool is_uniform = workload == "uniform";
   const auto before = status_bytes("VmRSS:");
-  Peer peer(kuhn_cube(n));
-  int level = 1;
-  for (bool goes_on = true; goes_on; ++level) {
-    if (workload == "W1")
-      peer.mark({});
-    else
-      mark(peer, law_of(workload));
+  Peer peer(mesh_name);
+  std::optional<Assessment> assessment;
+  const auto assess_again = [&] {
+    if (assesses) assessment = assess(peer, domain_of(mesh_name), assessment);
+  };
+  assess_again();
+  if (assesses) print_line(peer, workload, 0, "", assessment);
+  for (int level = 1; level <= levels; ++level) {
+    peer.mark(is_uniform ? std::vector<std::int8_t>{} : flags_of(peer, law));
     forget_peak();
-    const double cpu = measured([&] { peer.refine(); });
+    double cpu = measured([&] { peer.refine(); });
+    while (peer.mark_more()) cpu += measured([&] { peer.refine(); });
     const auto peak = status_bytes("VmHWM:") - before;
-    std::printf(
-        "{\"peer\": \"%s\", \"workload\": \"%s\", \"level\": %d, \"run\": %d, \"cells\": %zu, \"cpu\": %.6f, "
-        "\"peak\": %ld",
-        peer.name().c_str(), workload.c_str(), level, run, peer.n_cells(), cpu, peak);
+    auto values = value_text("cpu", cpu) + value_text("peak", static_cast<double>(peak));
     bool has_related = false;
-    const double relate_cpu = measured([&] { has_related = workload == "W1" && peer.relate(); });
-    if (has_related) std::printf(", \"relate_cpu\": %.6f", relate_cpu);
-    if (workload == "W3" && run == 1) std::printf(", \"worst\": %.6f", shapes(peer).worst);
-    std::puts("}");
-    std::fflush(stdout);
-    goes_on = level < levels &&
-              growth * static_cast<double>(peak) < static_cast<double>(status_bytes("MemAvailable:", "/proc/meminfo"));
-  }
-  if (workload != "W1") time_coarsening(peer, workload, level - 1, run);
-}
-
-/// The shapes of every level: a line for each.
-template <class Peer>
-void follow_shapes(const std::string& mesh_name, const std::string& law_name, int levels) {
-  Peer peer(mesh_named(mesh_name));
-  for (int level = 0; level <= levels; ++level) {
-    if (level > 0) {
-      mark(peer, law_named(law_name));
-      forget_peak();
-      peer.refine();
-    }
-    const auto found = shapes(peer);
-    std::printf("{\"peer\": \"%s\", \"level\": %d, \"cells\": %zu, \"worst\": %.6f, \"low\": %.6f, \"mean\": %.6f}\n",
-                peer.name().c_str(), level, peer.n_cells(), found.worst, found.low, found.mean);
-    std::fflush(stdout);
-    if (growth * static_cast<double>(status_bytes("VmHWM:")) >
-        static_cast<double>(status_bytes("MemAvailable:", "/proc/meminfo")))
+    const double relate_cpu = measured([&] { has_related = is_uniform && peer.relate(); });
+    if (has_related) values += value_text("relate_cpu", relate_cpu);
+    assess_again();
+    print_line(peer, workload, level, values, assessment);
+    if (growth * static_cast<double>(peak) > static_cast<double>(status_bytes("MemAvailable:", "/proc/meminfo")))
       return;
   }
 }
 
-/// PEER WORKLOAD N LEVELS REPEATS BUDGET, or PEER shapes MESH LAW LEVELS.
+/// A sphere that has moved by x: cells that it cuts are split while their longest edge is above `size`, those farther from
+/// it than their longest edge may be coarsened.
+template <class Peer>
+std::vector<std::int8_t> flags_at_front(Peer& peer, double x, double size, bool coarsens) {
+  const Point center{front_start + x, 0.5, 0.5};
+  std::vector<std::int8_t> flags;
+  flags.reserve(peer.n_cells());
+  peer.corners([&](const Corners& p) {
+    const auto [nearest, farthest] = distances(p, center);
+    const double longest = longest_edge(p);
+    const bool is_cut = nearest < front_radius && front_radius < farthest;
+    const bool is_near = nearest < front_radius + longest && farthest > front_radius - longest;
+    flags.push_back(static_cast<std::int8_t>(is_cut && longest > size ? 1 : is_near || !coarsens ? 0 : -1));
+  });
+  return flags;
+}
+
+/// Calls until no cell that the front cuts is too large; seconds of them.
+template <class Peer>
+double meet_front(Peer& peer, double x, double size, int& calls) {
+  double cpu = 0;
+  for (calls = 0; calls < 40; ++calls) {
+    const auto flags = flags_at_front(peer, x, size, calls == 0);
+    if (calls > 0 && std::count(flags.begin(), flags.end(), 1) == 0) break;
+    peer.mark(flags);
+    cpu += measured([&] { peer.refine(); });
+  }
+  return cpu;
+}
+
+template <class Peer>
+void follow_front(const std::string& mesh_name, int levels, int steps, bool assesses) {
+  const int n = std::stoi(mesh_name.substr(mesh_name.find(':') + 1));
+  const double size = 1.01 * std::sqrt(3.0) / n / (1 << levels);
+  const auto before = status_bytes("VmRSS:");
+  Peer peer(mesh_name);
+  int calls = 0;
+  meet_front(peer, 0, size, calls);
+  std::optional<Assessment> assessment;
+  for (int step = 1; step <= steps; ++step) {
+    const auto cells_in = static_cast<double>(peer.n_cells());
+    if (assesses) assessment = assess(peer, domain_of(mesh_name), std::nullopt);
+    forget_peak();
+    const double cpu = meet_front(peer, front_shift * step, size, calls);
+    const auto peak = static_cast<double>(status_bytes("VmHWM:") - before);
+    if (assesses) assessment = assess(peer, domain_of(mesh_name), assessment);
+    print_line(peer, "front", step,
+               value_text("cpu", cpu) + value_text("peak", peak) + value_text("calls", calls) +
+                   value_text("cells_in", cells_in),
+               assessment);
+  }
+}
+
+/// CODE WORKLOAD MESH LEVELS [STEPS] [assess]; see workload.py.
 template <class Peer>
 int main_of(int argc, char** argv) {
-  const std::string workload = argc > 1 ? argv[1] : "";
-  if (workload == "shapes" && argc == 5) {
-    follow_shapes<Peer>(argv[2], argv[3], std::stoi(argv[4]));
-    return 0;
-  }
-  if (argc != 6) {
-    std::fprintf(stderr, "usage: %s WORKLOAD N LEVELS REPEATS BUDGET | %s shapes MESH LAW LEVELS\n", argv[0], argv[0]);
+  const bool assesses = argc > 1 && std::string(argv[argc - 1]) == "assess";
+  const int n = assesses ? argc - 1 : argc;
+  const std::string workload = n > 1 ? argv[1] : "";
+  if (n != (workload == "front" ? 5 : 4)) {
+    std::fprintf(stderr, "usage: %s WORKLOAD MESH LEVELS [assess] | %s front kuhn:N LEVELS STEPS [assess]\n", argv[0],
+                 argv[0]);
     return 2;
   }
-  const int n = std::stoi(argv[2]), levels = std::stoi(argv[3]), repeats = std::stoi(argv[4]);
-  const double budget = std::stod(argv[5]);
-  one_run<Peer>(workload, n, levels, 1);
-  const double duration = cpu_seconds();
-  for (int run = 2; run <= repeats && cpu_seconds() + duration <= budget; ++run)
-    one_run<Peer>(workload, n, levels, run);
+  if (workload == "front")
+    follow_front<Peer>(argv[2], std::stoi(argv[3]), std::stoi(argv[4]), assesses);
+  else
+    follow_levels<Peer>(workload, argv[2], std::stoi(argv[3]), assesses);
   return 0;
 }
 

@@ -1,26 +1,37 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The workloads of docs/reports/performance.md for peers that speak Python: mesh, marks, clock, memory, quality.
+"""The workloads of docs/reports/performance.md and peers.md for codes that speak Python: mesh, marks, clock, memory.
 
-A peer defines a class with
+Command line, also of the codes in C++:
+
+    CODE WORKLOAD MESH LEVELS [assess]           refines LEVELS times and prints a line of JSON for each level
+    CODE front kuhn:N LEVELS STEPS [assess]      follows a sphere through the cube in STEPS steps, a line for each
+
+WORKLOAD  uniform: all cells; shell: centroid within 0.06 of the sphere r = 0.35 about the middle; wall: cells with a
+          corner on the wall of the hole; sphere:X,Y,Z,R: cells cut by that sphere; box:X0,Y0,Z0,X1,Y1,Z1: centroid in it
+MESH      kuhn:N, the cube of 6 N^3 cells, or a Gmsh file of format 2.2, text; "hole" in its name: assess.py says which
+front     cells that the sphere cuts are split until their longest edge is that of level LEVELS, others may be coarsened
+
+Keys: cells; cpu: s of the call, or of all calls of a step; peak: bytes over those before the mesh was made; relate_cpu: s
+of `relate`, absent without; calls, cells_in: of a step. With `assess` also volume; worst, low, mean: the smallest, 0.1 %
+and mean of the mean ratio; split: cells of the mesh before that are gone; open: faces of one cell that are not of the
+boundary; wall_nodes, off, farthest: nodes of the wall of the hole, those off it, and how far; -1: not known. There is a line
+for level 0 then. No further level that might not fit into the memory that is free.
+
+A code defines a class with
     name            name and version
-    start(n)        makes the Kuhn cube K(n) in the peer's own data structure, returns the mesh
-    load(cells, nodes)   the same of any mesh, for `shapes`; only of peers that have `mark`
-    mark(m, flags)  hands the peer a boolean for each cell; not timed. Peers that refine uniformly have none
+    start(cells, nodes)   makes the mesh in its own data structure, returns it
+    mark(m, flags)  hands over a flag for each cell: 1 split, -1 coarsen if possible, 0 keep; not timed. Codes that refine
+                    uniformly have none
     refine(m)       the timed call: returns the refined mesh, all of it refined where `mark` was not called
-    relate(m)       the peer's way to the cells on both sides of each face; timed apart; None where `refine` includes it
-                    or the peer has none
+    relate(m)       the way to the cells on both sides of each face; timed apart; None where `refine` includes it or the
+                    code has none
     count(m)        number of cells
-    corners(m)      corners of the cells, n_cells x 4 x 3; only of peers that have `mark`
-and calls `main`. Command line: PEER.py WORKLOAD N LEVELS REPEATS BUDGET, with WORKLOAD one of W1, W2, W3. At most
-REPEATS runs, no further one when BUDGET, in CPU seconds of the whole process, would be passed; no further level of W3
-that might not fit into the memory that is free. Prints one line of JSON for each level of each run; keys as in `report`.
-Or PEER.py shapes MESH LAW LEVELS: a line for each level with its cells, smallest, 0.1 % and mean of the mean ratio.
-MESH is kuhn:N or a Gmsh file of format 2.2, text; LAW is sphere:X,Y,Z,R for the cells cut by a
-sphere or box:X0,Y0,Z0,X1,Y1,Z1 for those with their centroid in a box.
+    corners(m)      corners of the cells, n_cells x 4 x 3
+and calls `main`.
 """
+
 import ctypes
 import gc
-import itertools
 import json
 import pathlib
 import sys
@@ -28,10 +39,13 @@ import time
 
 import numpy as np
 
+import assess
+
 AXIS_ORDERS = ((0, 1, 2), (1, 2, 0), (2, 0, 1), (0, 2, 1), (1, 0, 2), (2, 1, 0))  # the last three are odd
-GROWTH = 4.5  # of a level of W3 over the one before, in memory
+GROWTH = 4.5  # of a level around a sphere over the one before, in memory
 MIDDLE = 0.5
 RADIUS = 0.35
+MAX_CALLS = 40  # of a step
 SHELL_WIDTH = 0.06
 TETRAHEDRON = 4  # Gmsh's type of element
 
@@ -51,31 +65,17 @@ def kuhn_cube(n):
     return cells.reshape(-1, 4), np.stack([x, y, z], axis=1)
 
 
-def is_kuhn_cube(corners, n):
-    """Whether every cell has its longest edge along (1,1,1) / n, as Kuhn's have."""
-    edges = np.stack([corners[:, b] - corners[:, a] for a, b in itertools.combinations(range(4), 2)], axis=1)
-    longest = np.take_along_axis(edges, np.linalg.norm(edges, axis=2).argmax(axis=1)[:, None, None], axis=1)[:, 0] * n
-    return len(corners) == 6 * n**3 and bool(np.allclose(longest * np.sign(longest[:, :1]), 1))
-
-
 def cells_in_shell(corners):
     return np.abs(np.linalg.norm(corners.mean(axis=1) - MIDDLE, axis=1) - RADIUS) < SHELL_WIDTH
 
 
-def cells_cut_by_sphere(corners, center=MIDDLE, radius=RADIUS):
+def cells_at_wall(corners):
+    return np.linalg.norm(corners, axis=2).min(axis=1) <= assess.ON_WALL * assess.HOLE_RADIUS
+
+
+def cells_cut_by_sphere(corners, center, radius):
     distance = np.linalg.norm(corners - center, axis=2)
     return (distance.min(axis=1) < radius) & (distance.max(axis=1) > radius)
-
-
-def mean_ratios(corners):
-    """12 (3V)^(2/3) / sum of squared edges, 1 for a regular tetrahedron; in slabs, to bound the memory."""
-    ratios = []
-    for begin in range(0, len(corners), 1 << 18):
-        p = corners[begin:begin + (1 << 18)]
-        volume = np.abs(np.einsum("ij,ij->i", np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]), p[:, 3] - p[:, 0])) / 6
-        squares = sum(((p[:, b] - p[:, a]) ** 2).sum(axis=1) for a, b in itertools.combinations(range(4), 2))
-        ratios.append(12 * (3 * volume) ** (2 / 3) / squares)
-    return np.concatenate(ratios)
 
 
 def read_mesh(name):
@@ -84,22 +84,26 @@ def read_mesh(name):
         return kuhn_cube(int(name[5:]))
     lines = pathlib.Path(name).read_text(encoding="ascii").splitlines()
     begin = lines.index("$Nodes") + 2
-    rows = [line.split() for line in lines[begin:begin + int(lines[begin - 1])]]
+    rows = [line.split() for line in lines[begin : begin + int(lines[begin - 1])]]
     number = {row[0]: i for i, row in enumerate(rows)}
     begin = lines.index("$Elements") + 2
-    elements = (line.split() for line in lines[begin:begin + int(lines[begin - 1])])
+    elements = (line.split() for line in lines[begin : begin + int(lines[begin - 1])])
     cells = [[number[tag] for tag in row[-4:]] for row in elements if row[1] == str(TETRAHEDRON)]
     return np.array(cells), np.array([row[1:] for row in rows], dtype=float)
 
 
 def law_named(name):
-    kind, numbers = name.split(":")
-    numbers = np.array(numbers.split(","), dtype=float)
+    if name in ("uniform", "shell", "wall"):
+        return {"uniform": None, "shell": cells_in_shell, "wall": cells_at_wall}[name]
+    kind, _, numbers = name.partition(":")
+    numbers = np.array(numbers.split(",") if numbers else [], dtype=float)
     if kind == "sphere" and len(numbers) == 4:
         return lambda corners: cells_cut_by_sphere(corners, numbers[:3], numbers[3])
     if kind == "box" and len(numbers) == 6:
-        return lambda corners: np.all((numbers[:3] <= corners.mean(axis=1)) & (corners.mean(axis=1) <= numbers[3:]), axis=1)
-    raise ValueError(f"expected sphere:X,Y,Z,R or box:X0,Y0,Z0,X1,Y1,Z1, found {name}")
+        return lambda corners: np.all(
+            (numbers[:3] <= corners.mean(axis=1)) & (corners.mean(axis=1) <= numbers[3:]), axis=1
+        )
+    raise ValueError(f"expected uniform, shell, wall, front, sphere:X,Y,Z,R or box:X0,Y0,Z0,X1,Y1,Z1, found {name}")
 
 
 def status_bytes(key, file="/proc/self/status"):
@@ -121,54 +125,88 @@ def measured(call, mesh):
     return result, time.process_time() - begin
 
 
-def report(peer, workload, level, run, values):
-    """cpu: s of `refine`; relate_cpu: s of `relate`, absent without; peak: bytes over those before the mesh was made."""
-    print(json.dumps({"peer": peer.name, "workload": workload, "level": level, "run": run, **values}), flush=True)
+def assessed(peer, mesh, mesh_name, cells_before):
+    return assess.assess(peer.corners(mesh), assess.domain_of(mesh_name), cells_before)
 
 
-def one_run(peer, workload, n, levels, run):
+def report(peer, workload, level, values):
+    print(json.dumps({"peer": peer.name, "workload": workload, "level": level, **values}), flush=True)
+
+
+def follow_levels(peer, workload, mesh_name, levels, assesses):
+    law = law_named(workload)
+    start = read_mesh(mesh_name)
     before = status_bytes("VmRSS")
-    mesh = peer.start(n)
+    mesh = peer.start(*start)
+    del start
+    cells = None
+    if assesses:
+        values, cells = assessed(peer, mesh, mesh_name, None)
+        report(peer, workload, 0, {"cells": peer.count(mesh), **values})
     for level in range(1, levels + 1):
-        if workload != "W1":
-            select = cells_in_shell if workload == "W2" else cells_cut_by_sphere
-            peer.mark(mesh, select(peer.corners(mesh)))
+        if law:
+            peer.mark(mesh, law(peer.corners(mesh)).astype(np.int8))
         forget_peak()
-        refined, cpu = measured(peer.refine, mesh)
-        values = {"cpu": cpu, "peak": status_bytes("VmHWM") - before}
-        mesh = refined
-        del refined
-        if peer.relate:
+        mesh, cpu = measured(peer.refine, mesh)
+        values = {"cells": peer.count(mesh), "cpu": cpu, "peak": status_bytes("VmHWM") - before}
+        if peer.relate and workload == "uniform":
             _, values["relate_cpu"] = measured(peer.relate, mesh)
-        if workload == "W3" and run == 1:
-            values["worst"] = float(mean_ratios(peer.corners(mesh)).min())
-        report(peer, workload, level, run, {"cells": peer.count(mesh), **values})
+        if assesses:
+            found, cells = assessed(peer, mesh, mesh_name, cells)
+            values.update(found)
+        report(peer, workload, level, values)
         if GROWTH * values["peak"] > status_bytes("MemAvailable", "/proc/meminfo"):
             break
 
 
-def follow_shapes(peer, mesh_name, law_name, levels):
-    mesh = peer.load(*read_mesh(mesh_name))
-    law = law_named(law_name)
-    for level in range(levels + 1):
-        if level > 0:
-            peer.mark(mesh, law(peer.corners(mesh)))
-            mesh = peer.refine(mesh)
-        ratios = np.sort(mean_ratios(peer.corners(mesh)))
-        print(json.dumps({"peer": peer.name, "level": level, "cells": len(ratios), "worst": ratios[0],
-                          "low": ratios[len(ratios) // 1000], "mean": ratios.mean()}), flush=True)
-        if GROWTH * status_bytes("VmHWM") > status_bytes("MemAvailable", "/proc/meminfo"):
-            break
+def flags_at_front(corners, x, size, coarsens):
+    distance = np.linalg.norm(corners - [assess.FRONT_START + x, MIDDLE, MIDDLE], axis=2)
+    nearest, farthest, longest = distance.min(axis=1), distance.max(axis=1), assess.longest_edges(corners)
+    radius = assess.FRONT_RADIUS
+    is_cut = (nearest < radius) & (radius < farthest)
+    is_near = (nearest < radius + longest) & (farthest > radius - longest)
+    return np.where(is_cut & (longest > size), 1, np.where(is_near | (not coarsens), 0, -1)).astype(np.int8)
+
+
+def meet_front(peer, mesh, x, size):
+    """Calls until no cell that the front cuts is too large."""
+    cpu = 0.0
+    for calls in range(MAX_CALLS):
+        flags = flags_at_front(peer.corners(mesh), x, size, calls == 0)
+        if calls > 0 and not (flags > 0).any():
+            return mesh, {"cpu": cpu, "calls": calls}
+        peer.mark(mesh, flags)
+        mesh, seconds = measured(peer.refine, mesh)
+        cpu += seconds
+    return mesh, {"cpu": cpu, "calls": MAX_CALLS}
+
+
+def follow_front(peer, mesh_name, levels, steps, assesses):
+    size = 1.01 * 3**0.5 / int(mesh_name.partition(":")[2]) / 2**levels
+    start = read_mesh(mesh_name)
+    before = status_bytes("VmRSS")
+    mesh, _ = meet_front(peer, peer.start(*start), 0.0, size)
+    for step in range(1, steps + 1):
+        cells_in = peer.count(mesh)
+        cells = assessed(peer, mesh, mesh_name, None)[1] if assesses else None
+        forget_peak()
+        mesh, values = meet_front(peer, mesh, assess.FRONT_SHIFT * step, size)
+        values.update(cells=peer.count(mesh), cells_in=cells_in, peak=status_bytes("VmHWM") - before)
+        if assesses:
+            values.update(assessed(peer, mesh, mesh_name, cells)[0])
+        report(peer, "front", step, values)
 
 
 def main(peer):
-    if sys.argv[1] == "shapes":
-        follow_shapes(peer, sys.argv[2], sys.argv[3], int(sys.argv[4]))
-        return
-    workload, (n, levels, repeats), budget = sys.argv[1], map(int, sys.argv[2:5]), float(sys.argv[5])
-    one_run(peer, workload, n, levels, 1)
-    duration = time.process_time()
-    for run in range(2, repeats + 1):
-        if time.process_time() + duration > budget:
-            break
-        one_run(peer, workload, n, levels, run)
+    arguments = sys.argv[1:]
+    assesses = arguments[-1:] == ["assess"]
+    if assesses:
+        arguments.pop()
+    if len(arguments) != (4 if arguments[:1] == ["front"] else 3):
+        sys.exit(
+            f"usage: {sys.argv[0]} WORKLOAD MESH LEVELS [assess] | {sys.argv[0]} front kuhn:N LEVELS STEPS [assess]"
+        )
+    if arguments[0] == "front":
+        follow_front(peer, arguments[1], int(arguments[2]), int(arguments[3]), assesses)
+    else:
+        follow_levels(peer, *arguments[:2], int(arguments[2]), assesses)

@@ -1,0 +1,154 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Ours and theirs in turn on one workload, with what the machine can do beside each pair, and whether both did the work."""
+
+import dataclasses
+import json
+import math
+import statistics
+import subprocess
+import sys
+import time
+
+FLAT_VOLUME_ERROR = 1e-9
+CELLS_BESIDE_OURS = (1 / 3, 6)  # of a code that did the same work by another algorithm
+HOLE_VOLUME = 4.0**3 - 4 / 3 * math.pi
+MAX_SECONDS = 1800  # of one run
+
+
+class Failed(Exception):
+    """A program that has not done what it was started for, with its last word."""
+
+
+def output_of(command, environment=None):
+    """Standard output of a program; `Failed` with the last line of its errors."""
+    try:
+        done = subprocess.run(
+            [str(word) for word in command],
+            env=environment,
+            capture_output=True,
+            text=True,
+            check=False,
+            stdin=subprocess.DEVNULL,
+            timeout=MAX_SECONDS,
+        )
+    except (OSError, subprocess.TimeoutExpired) as error:
+        raise Failed(str(error)[:160]) from error
+    if done.returncode != 0:
+        lines = [line for line in done.stderr.splitlines() if line.strip()]
+        raise Failed(f"ended with code {done.returncode}: {(lines or ['no message'])[-1].strip()}"[:160])
+    return done.stdout
+
+
+def lines_by_level(text):
+    """{level: values} of what a code prints; whatever else its libraries print is passed over."""
+    rows = [json.loads(line) for line in text.splitlines() if line.startswith("{")]
+    return {row["level"]: row for row in rows}
+
+
+@dataclasses.dataclass
+class Work:
+    """A workload: of what kind, on which mesh for us and for others, and how far."""
+
+    kind: str
+    law: str
+    mesh: str
+    our_mesh: str
+    arguments: tuple
+
+    def command(self, mesh):
+        return [self.law, mesh, *map(str, self.arguments)]
+
+
+@dataclasses.dataclass
+class Pair:
+    """What was found of one code beside ours: of each level its assessment, and medians of the seconds of both."""
+
+    name: str
+    theirs: dict
+    seconds: dict
+    our_seconds: dict
+    limit: float
+    runs: int
+    load: float
+
+
+def doubt(work, entry, theirs, ours):
+    """Why a code has not done the work that it was given, or None."""
+    last = max(theirs)
+    found, our = theirs[last], ours.get(last)
+    if work.kind != "wall" and abs(found["volume"] - 1) > FLAT_VOLUME_ERROR:
+        return f"volume {found['volume']:.9g} instead of 1"
+    if entry["algorithm"] not in ("nonconforming", "remeshing"):
+        broken = sum(max(0, row["open"]) for row in theirs.values())
+        if broken:
+            return f"{broken} faces without a cell on the other side"
+    low, high = CELLS_BESIDE_OURS
+    if our and not low <= found["cells"] / our["cells"] <= high:
+        return f"{found['cells']:,} cells beside our {our['cells']:,}"
+    return None
+
+
+def medians(runs):
+    return {
+        level: statistics.median(run[level]["cpu"] for run in runs if level in run)
+        for level in runs[0]
+        if level > 0 or "cpu" in runs[0][level]
+    }
+
+
+class Bench:
+    """Runs ours and theirs. `repeats` at most, none begun after `budget` seconds of one code."""
+
+    def __init__(self, build, limit_size, repeats, budget):
+        self.ours = build / "bench/bench_peer"
+        self.refine = build / "bench/bench_refine"
+        self.limit_size, self.repeats, self.budget = limit_size, repeats, budget
+
+    def limit(self):
+        """Millions of cells a CPU second that this machine can write to memory at this moment."""
+        text = output_of([self.refine, f"--benchmark_filter=^limit/{self.limit_size}/", "--benchmark_format=json"])
+        runs = json.loads(text)["benchmarks"]
+        return next(run["Mcells_per_cpu_s"] for run in runs if run.get("aggregate_name") == "median")
+
+    def assess_ours(self, work):
+        return lines_by_level(output_of([self.ours, *work.command(work.our_mesh), "assess"]))
+
+    def beside(self, work, name, peers):
+        """A `Pair`; `Failed` where the code fails."""
+        command = [*peers.command(name), *work.command(work.mesh)]
+        environment = peers.environment(name)
+        runs, our_runs, limits = [], [], []
+        began = time.monotonic()
+        while len(runs) < self.repeats and (not runs or time.monotonic() - began < self.budget):
+            limits.append(self.limit())
+            our_runs.append(lines_by_level(output_of([self.ours, *work.command(work.our_mesh)])))
+            runs.append(lines_by_level(output_of([*command, "assess"] if not runs else command, environment)))
+            if not runs[0] or max(runs[0]) == 0:
+                raise Failed("printed no level")
+        return Pair(name, runs[0], medians(runs), medians(our_runs), statistics.median(limits), len(runs), load())
+
+    def all_beside(self, work, peers, names):
+        """Ours assessed, the pairs, and {name: why there is none}."""
+        ours, pairs, notes = self.assess_ours(work), [], {}
+        for name in names:
+            if work.kind not in peers.all[name]["takes"]:
+                continue
+            print(f"report.sh: {work.kind}, {name}", file=sys.stderr)
+            if peers.command(name) is None:
+                notes[name] = peers.errors[name]
+                continue
+            try:
+                pair = self.beside(work, name, peers)
+            except Failed as error:
+                notes[name] = str(error)
+                continue
+            wrong = doubt(work, peers.all[name], pair.theirs, ours)
+            if wrong:
+                notes[name] = f"does other work: {wrong}"
+            pairs.append(pair)
+        return ours, pairs, notes
+
+
+def load():
+    with open("/proc/loadavg", encoding="ascii") as file:
+        return float(file.read().split()[0])

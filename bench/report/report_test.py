@@ -1,0 +1,162 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""report.sh without other codes, what it refuses and names, whether it finds out codes that do other work, and the arithmetic
+of its rows. Usage: report_test.py REPORT.SH BUILD"""
+
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+REPORT, BUILD = map(pathlib.Path, sys.argv[1:3])
+sys.path[:0] = [str(REPORT.parent / "report"), str(REPORT.parent / "compare")]
+import assess  # noqa: E402
+import measure  # noqa: E402
+import peers  # noqa: E402
+import report  # noqa: E402
+import rows  # noqa: E402
+import tables  # noqa: E402
+import workload  # noqa: E402
+import numpy as np  # noqa: E402
+
+NO_PEERS = {
+    **os.environ,
+    "PAMR_PYTHON": sys.executable,
+    "PAMR_PEER_PYTHON": "/nowhere/python3",
+    "PAMR_PEER_CXX": "/nowhere/mpicxx",
+}
+
+
+def rows_of(text):
+    lines = [line for line in text.splitlines() if line.startswith("|")]
+    return [[cell.strip() for cell in line.strip("|").split("|")] for line in lines if not line.startswith("|--")]
+
+
+def run_report(*arguments):
+    return subprocess.run(
+        [REPORT, BUILD, *map(str, arguments)], env=NO_PEERS, capture_output=True, text=True, timeout=600, check=False
+    )
+
+
+class Report(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+
+    def test_measures_ours_names_what_is_missing_and_goes_on_where_it_ended(self):
+        places = ("--tiny", "--out", self.folder, "--peer-folder", self.folder / "peers")
+        uniform = run_report(*places, "--table", "uniform")
+        self.assertEqual(uniform.returncode, 0, uniform.stderr)
+        head, ours = rows_of(uniform.stdout)
+        self.assertEqual(ours[head.index("cells out")], "10,368")
+        self.assertEqual(ours[head.index("cells split")], "1,296")
+        self.assertGreater(float(ours[head.index("CPU s")]), 0)
+        self.assertRegex(
+            uniform.stdout, r"commit .*, load [\d.]+ before and [\d.]+ after. Command: `bench/report.sh --tiny"
+        )
+        for name, entry in peers.listed().items():
+            self.assertEqual(f"- {name}: " in uniform.stdout, "uniform" in entry["takes"], name)
+
+        table = self.folder / "tiny/uniform.md"
+        table.write_text(table.read_text() + "kept\n")
+        both = run_report(*places, "--peers", "", "--table", "uniform", "--table", "front")
+        self.assertEqual(both.returncode, 0, both.stderr)
+        self.assertIn("kept", both.stdout)
+        self.assertEqual([row[2] for row in rows_of(both.stdout) if row[1] == "red"], ["yes", "3"])
+        self.assertNotIn("kept", run_report(*places, "--peers", "", "--table", "uniform", "--again").stdout)
+
+    def test_refuses_what_it_does_not_know(self):
+        for arguments in (["--no-such-option"], ["--peers", "nobody"], ["--table", "none"], ["/nowhere/build"]):
+            run = run_report(*arguments)
+            self.assertEqual(run.returncode, 2, arguments)
+            self.assertEqual(run.stderr.count("\n"), 1, run.stderr)
+            self.assertEqual(run.stdout, "")
+
+    def test_every_table_has_a_page_with_a_place_for_it(self):
+        for name, table in tables.TABLES.items():
+            page = REPORT.parent.parent / "docs/reports" / f"{table.page}.md"
+            for mark in ("table", "end of table"):
+                self.assertEqual(page.read_text().count(f"<!-- {mark} {name} -->\n"), 1, f"{mark} {name} in {page}")
+
+    def test_tables_go_between_their_marks_only(self):
+        page = "a\n<!-- table x -->\nold\n<!-- end of table x -->\nb\n"
+        new = report.insert({"x": "| new |\n", "y": "none"}, page)
+        self.assertEqual(new, "a\n<!-- table x -->\n\n| new |\n\n<!-- end of table x -->\nb\n")
+        self.assertEqual(report.insert({"x": "| new |\n"}, new), new)
+
+
+class Assessment(unittest.TestCase):
+    def setUp(self):
+        cells, nodes = workload.kuhn_cube(2)
+        self.corners = nodes[cells]
+
+    def test_a_mesh_that_is_whole_has_the_volume_and_no_open_face(self):
+        values, _ = assess.assess(self.corners, "cube", None)
+        self.assertAlmostEqual(values["volume"], 1, 12)
+        self.assertEqual(values["open"], 0)
+        self.assertAlmostEqual(values["worst"], 12 * 0.5 ** (2 / 3) / 10, 12)  # squared edges 1 1 1 2 2 3
+
+    def test_a_hanging_node_is_found(self):
+        _, before = assess.assess(self.corners, "cube", None)
+        middle = 0.5 * (self.corners[20, 0] + self.corners[20, 3])
+        halves = np.repeat(self.corners[20:21], 2, axis=0)
+        halves[0, 0], halves[1, 3] = middle, middle
+        values, _ = assess.assess(np.concatenate([np.delete(self.corners, 20, axis=0), halves]), "cube", before)
+        self.assertAlmostEqual(values["volume"], 1, 12)
+        self.assertEqual(values["split"], 1)
+        self.assertGreater(values["open"], 0)
+
+    def test_a_code_that_does_other_work_is_found_out(self):
+        work = measure.Work("sphere", "", "", "", ())
+        ours = {1: {"cells": 1000}}
+        good = {"cells": 2000, "volume": 1.0, "open": 0}
+        conforming, hanging = {"algorithm": "bisection"}, {"algorithm": "nonconforming"}
+        self.assertIsNone(measure.doubt(work, conforming, {1: good}, ours))
+        self.assertIn("volume", measure.doubt(work, conforming, {1: {**good, "volume": 1 + 1e-6}}, ours))
+        self.assertIn("3 faces", measure.doubt(work, conforming, {1: {**good, "open": 3}}, ours))
+        self.assertIsNone(measure.doubt(work, hanging, {1: {**good, "open": 3}}, ours))
+        for cells in (300, 7000):
+            self.assertIn("beside our", measure.doubt(work, conforming, {1: {**good, "cells": cells}}, ours))
+
+    def test_ours_is_found_to_be_whole(self):
+        for law, mesh, *levels in (
+            ("shell", "kuhn:5", "1"),
+            (tables.SPHERE, "kuhn:4", "2"),
+            ("front", "kuhn:4", "2", "2"),
+        ):
+            found = measure.lines_by_level(
+                measure.output_of([BUILD / "bench/bench_peer", law, mesh, *levels, "assess"], tables.environment())
+            )
+            for row in found.values():
+                self.assertAlmostEqual(row["volume"], 1, 9)
+                self.assertEqual(row["open"], 0)
+
+    def test_rows_take_medians_and_ratios(self):
+        theirs = {
+            1: {
+                "peer": "other 1",
+                "cells": 2000,
+                "split": 250,
+                "peak": 4e5,
+                "worst": 0.5,
+                "low": 0.6,
+                "relate_cpu": 1.0,
+            }
+        }
+        runs = [{1: {"cpu": cpu}} for cpu in (3.0, 9.0, 4.0)]
+        ours = {1: {"peer": "PAMR", "cells": 1000, "split": 100, "cpu": 0.1, "peak": 6e4, "worst": 0.7, "low": 0.7}}
+        pair = measure.Pair("other", theirs, measure.medians(runs), {1: 0.1}, 20.0, 3, 1.5)
+        entries = {"other": {"algorithm": "bisection", "neighbors": "apart"}}
+        found = dict(zip(rows.REFINE_HEAD, list(rows.refine_rows(ours, [pair], entries, "uniform"))[1]))
+        self.assertEqual(found["CPU s"], "4")
+        self.assertEqual(found["theirs / ours: a cell out"], "20")
+        self.assertEqual(found["a cell split"], "16")
+        self.assertEqual(found["with neighbors: a cell out"], "25")
+        self.assertEqual(found["bytes a cell out"], "200")
+        other = dict(zip(rows.REFINE_HEAD, list(rows.refine_rows(ours, [pair], entries, "sphere"))[1]))
+        self.assertEqual(other["theirs / ours: a cell out"], "(20)")
+
+
+unittest.main(argv=sys.argv[:1])

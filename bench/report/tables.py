@@ -1,0 +1,341 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The tables of report.sh: how each is made, in the three sizes. TABLES is the list."""
+
+import dataclasses
+import json
+import os
+import pathlib
+import statistics
+import sys
+
+import rows
+from measure import Failed, Work, load, output_of
+
+HERE = pathlib.Path(__file__).resolve().parent
+BENCH = HERE.parent
+SPHERE = "sphere:0.5,0.5,0.5,0.35"
+SPHERE_AT_HOLE = "sphere:0,0,0,1.3"
+SCALING_NOTE = """Ranks share the cores of this machine, so only what 1 rank and 2 ranks on 2 cores take is measured; all else is counted,
+and the seconds of a cluster follow from the counts by a model."""
+
+
+@dataclasses.dataclass
+class Table:
+    """A table: what it shows, how it is made (of a `Context`, lines of Markdown), and which report holds it."""
+
+    title: str
+    make: object
+    page: str
+
+
+def script(program, *words, note="", **by_size):
+    """A part that is a program of its own: what it prints. `by_size`: its further words for each size; None: not in it."""
+
+    def make(context):
+        if by_size[context.size] is None:
+            return [f"Not made with --{context.size}."]
+        places = {"build": context.build, "out": context.out}
+        command = [word.format(**places) for word in (program, *words, *by_size[context.size])]
+        command[0] = BENCH / command[0]  # which an absolute path replaces
+        text = output_of(command, context.environment)
+        return [*([note, ""] if note else []), *text.rstrip().splitlines()]
+
+    return make
+
+
+def hole(context):
+    """The Gmsh file of the box with a hole and, with its sphere, ours."""
+    size = {"whole": 0.28, "quick": 0.28, "tiny": 0.6}[context.size]
+    target = context.out / f"hole-{size}.msh"
+    ours = target.with_suffix(".hdf")
+    if not ours.exists():
+        makers = [context.peers.command(name) for name in ("gmsh", "gmsh-debian")]
+        python = next((maker[0] for maker in makers if maker), None)
+        if python is None:
+            raise Failed(
+                "the mesh with the hole is made by Gmsh, which is not to be had: " + context.peers.errors["gmsh"]
+            )
+        output_of([python, "-B", HERE / "hole_mesh.py", str(size), target])
+        surface = target.with_suffix(".toml")
+        surface.write_text(
+            '[[surface]]\nname = "wall"\nkind = "sphere"\ncenter = [0, 0, 0]\nradius = 1\n', encoding="ascii"
+        )
+        output_of(
+            [context.build / "bin/pamr-convert", target, ours, "--surfaces", surface, "--force", "--quiet"],
+            context.environment,
+        )
+    return target, ours
+
+
+def refine_table(kind, law, **by_size):
+    def make(context):
+        mesh, *arguments = by_size[context.size]
+        work = Work(kind, law, mesh, mesh, tuple(arguments))
+        ours, pairs, notes = context.bench.all_beside(work, context.peers, context.names)
+        found = rows.refine_rows(ours, pairs, context.peers.all, kind)
+        return [
+            f"`{law}` on `{mesh}`, {arguments[0]} level(s).",
+            "",
+            *rows.table(rows.REFINE_HEAD, found),
+            "",
+            *rows.note_lines(notes),
+        ]
+
+    return make
+
+
+def wall_table(context):
+    mesh, ours_mesh = hole(context)
+    work = Work("wall", "wall", str(mesh), str(ours_mesh), ({"whole": 5, "quick": 4, "tiny": 2}[context.size],))
+    ours, pairs, notes = context.bench.all_beside(work, context.peers, context.names)
+    return [
+        "A box with a round hole by Gmsh; cells with a corner on the wall of the hole are marked at every level. "
+        "The first call of PAMR also makes a map of level 0, once for a mesh.",
+        "",
+        *rows.table(rows.WALL_HEAD, rows.wall_rows(ours, pairs, context.peers.all)),
+        "",
+        *rows.note_lines(notes),
+    ]
+
+
+def front_table(context):
+    mesh, levels, steps = {"whole": ("kuhn:12", 4, 20), "quick": ("kuhn:10", 3, 20), "tiny": ("kuhn:6", 2, 3)}[
+        context.size
+    ]
+    work = Work("front", "front", mesh, mesh, (levels, steps))
+    ours, pairs, notes = context.bench.all_beside(work, context.peers, context.names)
+    return [
+        f"A sphere moves through `{mesh}` in {steps} steps; cells that it cuts are kept at level {levels}, those behind it "
+        "are coarsened; as many calls a step as that takes.",
+        "",
+        *rows.table(rows.FRONT_HEAD, rows.front_rows(ours, pairs, context.peers.all)),
+        "",
+        *rows.note_lines(notes),
+    ]
+
+
+def shapes_table(context):
+    """Levels of one mesh with the same marks, walls flat."""
+    mesh, _ = hole(context)
+    levels = {"whole": 4, "quick": 3, "tiny": 2}[context.size]
+    lines, notes = [], {}
+    for name in ["pamr", *context.names]:
+        if name != "pamr" and "shapes" not in context.peers.all[name]["takes"]:
+            continue
+        command = [context.bench.ours] if name == "pamr" else context.peers.command(name)
+        if command is None:
+            notes[name] = context.peers.errors[name]
+            continue
+        environment = None if name == "pamr" else context.peers.environment(name)
+        try:
+            text = output_of([*command, SPHERE_AT_HOLE, mesh, levels, "assess"], environment)
+        except Failed as error:
+            notes[name] = str(error)
+            continue
+        found = [json.loads(line) for line in text.splitlines() if line.startswith("{")]
+        lines += rows.shapes_rows({row["level"]: row for row in found})
+    return [
+        f"A box with a round hole by Gmsh, its walls taken as flat; cells cut by `{SPHERE_AT_HOLE}` are marked at every "
+        "level. Nothing here depends on the machine.",
+        "",
+        *rows.table(rows.SHAPES_HEAD, lines),
+        "",
+        *rows.note_lines(notes),
+    ]
+
+
+def floors(context):
+    """Ours with other shape floors, on the mesh of `shapes_table`."""
+    mesh, _ = hole(context)
+    levels = {"whole": 4, "quick": 3, "tiny": 2}[context.size]
+    return (
+        output_of(
+            [context.build / "bench/bench_quality_control", mesh, SPHERE_AT_HOLE, levels, "0.35,0.4,0.5"],
+            context.environment,
+        )
+        .rstrip()
+        .splitlines()
+    )
+
+
+def read_table(context):
+    n = {"whole": 119, "quick": 55, "tiny": 8}[context.size]
+    file = context.out / f"kuhn-{n}.msh"
+    output_of([sys.executable, "-B", HERE / "gmsh_file.py", n, file])
+    codes = {"PAMR, 2": (["mpirun", "-n", "2", context.bench.ours, "read", file], context.environment)}
+    notes = {}
+    for name, module in (("gmsh", "gmsh"), ("mfem", "mfem"), ("dmplex", "dmplex")):
+        if name not in context.names:
+            continue
+        command = context.peers.command(name)
+        if command is None:
+            notes[name] = context.peers.errors[name]
+        else:
+            codes[name] = (
+                [*command[:-1], BENCH / "compare/read_peer.py", module, file],
+                context.peers.environment(name),
+            )
+    our_command = [context.bench.ours, "read", file]
+    found = []
+    for name, (command, environment) in codes.items():
+        runs, ours, limits = [], [], []
+        try:
+            for _ in range(context.bench.repeats):
+                limits.append(context.bench.limit())
+                ours.append(json.loads(output_of(our_command, context.environment)))
+                text = output_of(command, environment)
+                runs.append(json.loads(next(line for line in text.splitlines() if line.startswith("{"))))
+        except Failed as error:
+            notes[name] = str(error)
+            continue
+        found += list(read_rows(name, runs, ours, limits))
+    file.unlink()
+    return [
+        f"A binary Gmsh file of format 2.2 with {6 * n**3:,} cells, in the file cache.",
+        "",
+        *rows.table(rows.READ_HEAD, found),
+        "",
+        "Our rows include neighbors, an order along a curve and all tests of the mesh; PETSc's include edges and faces, MFEM's "
+        "edges, faces and neighbors.",
+        "",
+        *rows.note_lines(notes),
+    ]
+
+
+def read_rows(name, runs, ours, limits):
+    def of(processes, group, ratio):
+        row = {key: statistics.median(run[key] for run in group) for key in ("cpu", "wall", "peak")}
+        cells = group[0]["cells"]
+        return [
+            group[0]["peer"],
+            processes,
+            f"{cells:,}",
+            rows.number(row["cpu"]),
+            rows.number(row["wall"]),
+            rows.number(1e-6 * cells / row["wall"]),
+            ratio,
+            rows.number(row["peak"] / cells),
+            rows.number(statistics.median(limits)),
+            rows.number(load()),
+            str(len(group)),
+        ]
+
+    ratio = statistics.median(run["cpu"] for run in runs) / statistics.median(run["cpu"] for run in ours)
+    if name == "PAMR, 2":
+        yield of("1", ours, "1")
+    yield of("2" if name == "PAMR, 2" else "1", runs, rows.number(ratio))
+
+
+def adapt_table(context):
+    arguments, ranks = {
+        "whole": ("18 4 3 0.003", (1, 4, 16)),
+        "quick": ("14 3 3 0.003", (1, 4)),
+        "tiny": ("6 2 2 0.05", (1, 2)),
+    }[context.size]
+    lines = ["One rank is measured; of several, which share the cores, the compute is counted.", ""]
+    for n in ranks:
+        text = output_of(
+            ["mpirun", "-n", n, context.build / "bench/bench_adapt", *arguments.split()], context.environment
+        )
+        lines += [f"- {n} rank(s): {line}" for line in text.splitlines()]
+    return lines
+
+
+def environment():
+    """That of `scripts/mpi_environment.sh`, which report.sh has sourced."""
+    return {**os.environ, "OMP_NUM_THREADS": "1", "PAMR_PYTHON": sys.executable}
+
+
+BUILD = "{build}"
+TABLES = {
+    "one-rank": Table("One rank", script("run.sh", BUILD, whole=(), quick=(), tiny=("1", "tiny")), "performance"),
+    "quality-cost": Table(
+        "Quality control", script("quality_cost.sh", BUILD, whole=(), quick=("1",), tiny=None), "performance"
+    ),
+    "uniform": Table(
+        "Uniform refinement beside other codes",
+        refine_table("uniform", "uniform", whole=("kuhn:55", 1), quick=("kuhn:30", 1), tiny=("kuhn:6", 1)),
+        "peers",
+    ),
+    "shell": Table(
+        "A shell beside other codes",
+        refine_table("shell", "shell", whole=("kuhn:56", 1), quick=("kuhn:40", 1), tiny=("kuhn:8", 1)),
+        "peers",
+    ),
+    "sphere": Table(
+        "Levels around a sphere beside other codes",
+        refine_table("sphere", SPHERE, whole=("kuhn:14", 5), quick=("kuhn:14", 3), tiny=("kuhn:6", 2)),
+        "peers",
+    ),
+    "wall": Table("Levels at a curved wall beside other codes", wall_table, "peers"),
+    "front": Table("A front that moves, beside other codes", front_table, "peers"),
+    "reading": Table("Reading a Gmsh file beside other codes", read_table, "peers"),
+    "shapes": Table("Shapes beside other codes", shapes_table, "shapes-peers"),
+    "floors": Table("Shapes with other floors", floors, "shapes-peers"),
+    "two-ranks": Table(
+        "Two ranks on two cores", script("two_ranks.sh", BUILD, whole=(), quick=(), tiny=None), "scaling"
+    ),
+    "scaling": Table(
+        "Scaling",
+        script(
+            "scaling.sh",
+            BUILD,
+            "--out",
+            "{out}/scaling",
+            note=SCALING_NOTE,
+            whole=("--repeats", "3"),
+            quick=("--repeats", "1", "--ranks", "1 2 16 64"),
+            tiny=("--tiny", "--repeats", "1", "--ranks", "1 2"),
+        ),
+        "scaling",
+    ),
+    "many-ranks": Table(
+        "256 ranks",
+        script(
+            "scaling.sh",
+            BUILD,
+            "--out",
+            "{out}/many-ranks",
+            "--small",
+            "--repeats",
+            "1",
+            "--ranks",
+            "1 16 64 256",
+            note=SCALING_NOTE,
+            whole=(),
+            quick=None,
+            tiny=None,
+        ),
+        "scaling",
+    ),
+    "adapt": Table("Refining and coarsening", adapt_table, "performance-calls"),
+    "order": Table(
+        "Random order",
+        script("{build}/bench/bench_order", whole=("14", "5", "5"), quick=("14", "4", "3"), tiny=("6", "2", "1")),
+        "performance-calls",
+    ),
+    "large": Table(
+        "The largest run",
+        script("large.sh", BUILD, "--out", "{out}/large", whole=(), quick=("--cells", "1500000"), tiny=None),
+        "performance-calls",
+    ),
+    "balance": Table(
+        "Balance",
+        script("balance.sh", BUILD, "--out", "{out}/balance", note=SCALING_NOTE, whole=(), quick=None, tiny=None),
+        "balance",
+    ),
+    "poisson-boltzmann": Table(
+        "Poisson-Boltzmann beside dolfinx",
+        script(
+            "compare-pb.sh",
+            BUILD,
+            "--out",
+            "{out}/pb",
+            whole=(),
+            quick=("--cells", "100000", "--repeats", "1"),
+            tiny=None,
+        ),
+        "poisson-boltzmann-speed",
+    ),
+    "gas": Table("Gas beside dsmcFoam", script("compare-dsmc.sh", BUILD, whole=(), quick=(), tiny=None), "dsmc-speed"),
+}
