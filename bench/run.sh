@@ -11,6 +11,7 @@ export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
 export OMPI_MCA_rmaps_base_oversubscribe=1 OMPI_MCA_mpi_yield_when_idle=1 OMPI_MCA_btl_vader_single_copy_mechanism=none
 
 echo "$(date +%F), commit $(git -C "$root" rev-parse --short HEAD), $(sed -n 's/^model name.*: //p' /proc/cpuinfo | head -1), $ranks rank(s), load $(cut -d' ' -f1 /proc/loadavg)"
+echo
 columns='Mcells_per_cpu_s Mcells_per_wall_s cells_out bytes_at_rest_per_cell peak_bytes_per_cell largest_rank_peak_MB'
 echo "| workload (medians of 5) | ${columns// / | } |"
 echo "|---|---|---|---|---|---|---|"

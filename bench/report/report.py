@@ -14,7 +14,7 @@ from peers import Peers
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 LIMIT_SIZE = {"whole": 55, "quick": 55, "tiny": 20}
-REPEATS = {"whole": (5, 30), "quick": (3, 5), "tiny": (1, 0)}  # at most, and no further one after so many seconds
+REPEATS = {"whole": (5, 30), "quick": (2, 5), "tiny": (1, 0)}  # at most, and no further one after so many seconds
 
 
 class Context:
@@ -88,6 +88,7 @@ def make(context, name):
     """Writes a table as soon as it is complete; False where it could not be made."""
     before = load()
     try:
+        limit = context.bench.limit()
         lines = tables.TABLES[name].make(context)
     except Failed as error:
         print(f"report.sh: {name}: {error}", file=sys.stderr)
@@ -95,8 +96,8 @@ def make(context, name):
     peers = "" if context.names == list(context.peers.all) else f" --peers \"{' '.join(context.names)}\""
     size = "" if context.size == "whole" else f" --{context.size}"
     heading = (
-        f"{datetime.date.today()}, commit {context.commit}, {machine()}, load {before:.2f} before and {load():.2f} after. "
-        f"Command: `bench/report.sh{size} --table {name}{peers}`."
+        f"{datetime.date.today()}, commit {context.commit}, {machine()}, `limit` {limit:.1f}, load {before:.2f} before and "
+        f"{load():.2f} after. Command: `bench/report.sh{size} --table {name}{peers}`."
     )
     unready = file_of(context, name).with_suffix(".unready")
     unready.write_text("\n".join([heading, "", *lines]).rstrip() + "\n", encoding="utf-8")

@@ -54,7 +54,7 @@ class Report(unittest.TestCase):
         self.assertEqual(ours[head.index("cells split")], "1,296")
         self.assertGreater(float(ours[head.index("CPU s")]), 0)
         self.assertRegex(
-            uniform.stdout, r"commit .*, load [\d.]+ before and [\d.]+ after. Command: `bench/report.sh --tiny"
+            uniform.stdout, r"commit .*, `limit` [\d.]+, load [\d.]+ before and [\d.]+ after. Command: `bench/report.sh --tiny"
         )
         for name, entry in peers.listed().items():
             self.assertEqual(f"- {name}: " in uniform.stdout, "uniform" in entry["takes"], name)

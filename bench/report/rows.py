@@ -19,7 +19,7 @@ FRONT_HEAD = (
     "load | runs"
 ).split(" | ")
 READ_HEAD = (
-    "code | processes | cells | CPU s | wall s | M cells a wall second | ours by CPU, theirs / ours | "
+    "code | processes | cells | CPU s | wall s | M cells a wall second | theirs / ours, CPU | "
     "bytes a cell | `limit` | load | runs"
 ).split(" | ")
 SHAPES_HEAD = "code | level | cells | smallest | 0.1 % | mean | open faces".split(" | ")
@@ -85,7 +85,8 @@ def refine_rows(ours, pairs, entries, kind):
         level, entry = last_common(pair, ours), entries[pair.name]
         theirs, our = pair.theirs[level], ours[level]
         seconds, our_seconds = pair.seconds[level], pair.our_seconds[level]
-        is_same = kind == "uniform" or entry["algorithm"] == "red"
+        algorithm = entry.get("uniform", entry["algorithm"]) if kind == "uniform" else entry["algorithm"]
+        is_same = kind == "uniform" or algorithm == "red"
         with_neighbors = {"yes": seconds, "apart": seconds + theirs.get("relate_cpu", 0.0), "no": None}[
             entry["neighbors"]
         ]
@@ -98,7 +99,7 @@ def refine_rows(ours, pairs, entries, kind):
         both = quotient(per(with_neighbors, theirs["cells"]), our_cost) if comparable and with_neighbors else None
         yield [
             theirs["peer"],
-            entry["algorithm"],
+            algorithm,
             entry["neighbors"],
             str(level),
             f"{theirs['cells']:,}",
