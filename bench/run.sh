@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Speed and memory of one refinement: `limit`, W1, W2, W3, each in a process of its own so that peaks do not mix: a part of
-# report.sh (table one-rank).
+# Speed and memory of one refinement: `limit`, W1, W2, W3, each in a process of its own so that peaks do not mix: a
+# part of report.sh (table one-rank).
 # Usage: run.sh [BUILD] [RANKS] [tiny]   (default: build/release, 1 rank; tiny: small meshes, which show that it works)
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)

@@ -89,8 +89,8 @@ def assess_wall(corners):
 
 
 def assess(corners, domain, cells_before):
-    """What is known of a mesh from the corners of its cells (n x 4 x 3), and the keys of its cells, sorted, for the next
-    call; `cells_before`: those of the mesh before, or None."""
+    """What is known of a mesh from the corners of its cells (n x 4 x 3), and the keys of its cells, sorted, for the
+    next call; `cells_before`: those of the mesh before, or None."""
     ratios = np.sort(np.concatenate([mean_ratios(p) for p in slabs(corners)]))
     cells = np.sort(np.concatenate([keys_of(p).sum(axis=1, dtype=np.uint64) for p in slabs(corners)]))
     values = {

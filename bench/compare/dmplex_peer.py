@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""PETSc DMPlex: `DMRefine` with the regular transform, uniform only: the adaptive one, `refine_sbr`, takes triangles."""
+"""PETSc DMPlex: `DMRefine` with the regular transform, uniform only: the adaptive one, `refine_sbr`, takes
+triangles."""
 
 import numpy as np
 import petsc4py

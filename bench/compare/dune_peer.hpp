@@ -9,8 +9,8 @@
 
 #include "workload.hpp"
 
-/// What the codes behind DUNE's interface have in common. The wall of a hole is given to them as a surface: new nodes of
-/// its faces are put onto the sphere.
+/// What the codes behind DUNE's interface have in common. The wall of a hole is given to them as a surface: new nodes
+/// of its faces are put onto the sphere.
 namespace peer {
 
 class WallSegment : public Dune::BoundarySegment<3, 3> {

@@ -2,8 +2,8 @@
 """MFEM by PyMFEM: conforming bisection of marked tetrahedra.
 
 A marked tetrahedron is bisected three times, which halves all of its edges, in the one call (`GeneralRefinement`); all
-of them are refined by `UniformRefinement`, into eight. Edges, faces and the cells on both sides of each face are part of
-the call. mfem_nonconforming_peer.py has the other way.
+of them are refined by `UniformRefinement`, into eight. Edges, faces and the cells on both sides of each face are part
+of the call. mfem_nonconforming_peer.py has the other way.
 """
 
 import mfem

@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""netgen by its wheel `netgen-mesher`: `Refine`, uniform, or bisection of marked cells, which cuts a marked cell three times.
+"""netgen by its wheel `netgen-mesher`: `Refine`, uniform, or bisection of marked cells, which cuts a marked cell three
+times.
 
-Both end with `UpdateTopology`, by which its users get the faces of the cells. netgen_peer.cpp has the release of Debian.
+Both end with `UpdateTopology`, by which its users get the faces of the cells. netgen_peer.cpp has the release of
+Debian.
 """
 
 from importlib.metadata import version

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// PAMR in the harness of the other codes, so that both sides of a comparison do the same work on the same clock. The mesh
-// that is refined is handed over. Command line and output: workload.py.
+// PAMR in the harness of the other codes, so that both sides of a comparison do the same work on the same clock. The
+// mesh that is refined is handed over. Command line and output: workload.py.
 #include <cstdio>
 #include <memory>
 #include <string>

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reads a Gmsh file by another code, on one process: read_peer.py gmsh|dmplex|mfem|meshio FILE. Prints a line of JSON: cells;
-cpu and wall: s of the call; peak: bytes over those before."""
+"""Reads a Gmsh file by another code, on one process: read_peer.py gmsh|dmplex|mfem|meshio FILE. Prints a line of JSON:
+cells; cpu and wall: s of the call; peak: bytes over those before."""
 
 import json
 import sys

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// UG (dune-uggrid): red refinement of marked cells with green closure, the closure undone before the next refinement, as
-// ours. It keeps all levels. Command line and output: workload.py.
+// UG (dune-uggrid): red refinement of marked cells with green closure, the closure undone before the next refinement,
+// as ours. It keeps all levels. Command line and output: workload.py.
 #include <dune/grid/uggrid.hh>
 
 #include "dune_peer.hpp"

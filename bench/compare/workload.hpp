@@ -30,12 +30,12 @@
 ///   Peer(const std::string& mesh)  makes the mesh in its own data structure; `mesh_named` reads it
 ///   name()                         name and version
 ///   n_cells(), corners(visit)      number of cells; visit(Corners) for each, always in the same order
-///   mark(flags)                    hands over a flag for each cell in that order: 1 split, -1 coarsen if possible, 0 keep;
-///                                  not timed. Empty: split all
+///   mark(flags)                    hands over a flag for each cell in that order: 1 split, -1 coarsen if possible, 0
+///                                  keep; not timed. Empty: split all
 ///   refine()                       the timed call
 ///   mark_more()                    marks for another call that the same work takes; false when there is none
-///   relate()                       the code's way to the cells on both sides of a face, where `refine` does not include
-///                                  it: true when it did something
+///   relate()                       the code's way to the cells on both sides of a face, where `refine` does not
+///                                  include it: true when it did something
 namespace peer {
 
 struct PlainMesh {
@@ -237,8 +237,8 @@ void follow_levels(const std::string& workload, const std::string& mesh_name, in
   }
 }
 
-/// A sphere that has moved by x: cells that it cuts are split while their longest edge is above `size`, those farther from
-/// it than their longest edge may be coarsened.
+/// A sphere that has moved by x: cells that it cuts are split while their longest edge is above `size`, those farther
+/// from it than their longest edge may be coarsened.
 template <class Peer>
 std::vector<std::int8_t> flags_at_front(Peer& peer, double x, double size, bool coarsens) {
   const Point center{front_start + x, 0.5, 0.5};

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Ours and theirs in turn on one workload, with what the machine can do beside each pair, and whether both did the work."""
+"""Ours and theirs in turn on one workload, with what the machine can do beside each pair, and whether both did the
+work."""
 
 import dataclasses
 import json
@@ -20,8 +21,8 @@ class Failed(Exception):
 
 
 def output_of(command, environment=None):
-    """Standard output of a program; `Failed` with the last line of its errors. A script that prints which of its bars is
-    missed (FAIL) and ends with code 1 has not failed."""
+    """Standard output of a program; `Failed` with the last line of its errors. A script that prints which of its bars
+    is missed (FAIL) and ends with code 1 has not failed."""
     try:
         done = subprocess.run(
             [str(word) for word in command],

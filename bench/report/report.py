@@ -96,8 +96,8 @@ def make(context, name):
     peers = "" if context.names == list(context.peers.all) else f" --peers \"{' '.join(context.names)}\""
     size = "" if context.size == "whole" else f" --{context.size}"
     heading = (
-        f"{datetime.date.today()}, commit {context.commit}, {machine()}, `limit` {limit:.1f}, load {before:.2f} before and "
-        f"{load():.2f} after. Command: `bench/report.sh{size} --table {name}{peers}`."
+        f"{datetime.date.today()}, commit {context.commit}, {machine()}, `limit` {limit:.1f}, load {before:.2f} before "
+        f"and {load():.2f} after. Command: `bench/report.sh{size} --table {name}{peers}`."
     )
     unready = file_of(context, name).with_suffix(".unready")
     unready.write_text("\n".join([heading, "", *lines]).rstrip() + "\n", encoding="utf-8")

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""report.sh without other codes, what it refuses and names, whether it finds out codes that do other work, and the arithmetic
-of its rows. Usage: report_test.py REPORT.SH BUILD"""
+"""report.sh without other codes, what it refuses and names, whether it finds out codes that do other work, and the
+arithmetic of its rows. Usage: report_test.py REPORT.SH BUILD"""
 
 import os
 import pathlib
@@ -54,7 +54,8 @@ class Report(unittest.TestCase):
         self.assertEqual(ours[head.index("cells split")], "1,296")
         self.assertGreater(float(ours[head.index("CPU s")]), 0)
         self.assertRegex(
-            uniform.stdout, r"commit .*, `limit` [\d.]+, load [\d.]+ before and [\d.]+ after. Command: `bench/report.sh --tiny"
+            uniform.stdout, r"commit .*, `limit` [\d.]+, load [\d.]+ before and [\d.]+ after. "
+            "Command: `bench/report.sh --tiny"
         )
         for name, entry in peers.listed().items():
             self.assertEqual(f"- {name}: " in uniform.stdout, "uniform" in entry["takes"], name)

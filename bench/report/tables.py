@@ -15,8 +15,8 @@ HERE = pathlib.Path(__file__).resolve().parent
 BENCH = HERE.parent
 SPHERE = "sphere:0.5,0.5,0.5,0.35"
 SPHERE_AT_HOLE = "sphere:0,0,0,1.3"
-SCALING_NOTE = """Ranks share the cores of this machine, so only what 1 rank and 2 ranks on 2 cores take is measured; all else is counted,
-and the seconds of a cluster follow from the counts by a model."""
+SCALING_NOTE = """Ranks share the cores of this machine, so only what 1 rank and 2 ranks on 2 cores take is measured;
+all else is counted, and the seconds of a cluster follow from the counts by a model."""
 
 
 @dataclasses.dataclass
@@ -29,7 +29,8 @@ class Table:
 
 
 def script(program, *words, note="", **by_size):
-    """A part that is a program of its own: what it prints. `by_size`: its further words for each size; None: not in it."""
+    """A part that is a program of its own: what it prints. `by_size`: its further words for each size; None: not in
+    it."""
 
     def make(context):
         if by_size[context.size] is None:
@@ -105,8 +106,8 @@ def front_table(context):
     work = Work("front", "front", mesh, mesh, (levels, steps))
     ours, pairs, notes = context.bench.all_beside(work, context.peers, context.names)
     return [
-        f"A sphere moves through `{mesh}` in {steps} steps; cells that it cuts are kept at level {levels}, those behind it "
-        "are coarsened; as many calls a step as that takes.",
+        f"A sphere moves through `{mesh}` in {steps} steps; cells that it cuts are kept at level {levels}, those "
+        "behind it are coarsened; as many calls a step as that takes.",
         "",
         *rows.table(rows.FRONT_HEAD, rows.front_rows(ours, pairs, context.peers.all)),
         "",
@@ -135,8 +136,8 @@ def shapes_table(context):
         found = [json.loads(line) for line in text.splitlines() if line.startswith("{")]
         lines += rows.shapes_rows({row["level"]: row for row in found})
     return [
-        f"A box with a round hole by Gmsh, its walls taken as flat; cells cut by `{SPHERE_AT_HOLE}` are marked at every "
-        "level. Nothing here depends on the machine.",
+        f"A box with a round hole by Gmsh, its walls taken as flat; cells cut by `{SPHERE_AT_HOLE}` are marked at "
+        "every level. Nothing here depends on the machine.",
         "",
         *rows.table(rows.SHAPES_HEAD, lines),
         "",
@@ -195,8 +196,8 @@ def read_table(context):
         "",
         *rows.table(rows.READ_HEAD, found),
         "",
-        "Our rows include neighbors, an order along a curve and all tests of the mesh; PETSc's include edges and faces, MFEM's "
-        "edges, faces and neighbors.",
+        "Our rows include neighbors, an order along a curve and all tests of the mesh; PETSc's include edges and faces, "
+        "MFEM's edges, faces and neighbors.",
         "",
         *rows.note_lines(notes),
     ]
