@@ -121,6 +121,13 @@ class Assessment(unittest.TestCase):
         for cells in (300, 7000):
             self.assertIn("beside our", measure.doubt(work, conforming, {1: {**good, "cells": cells}}, ours))
 
+    def test_both_languages_find_the_same(self):
+        text = measure.output_of([BUILD / "bench/bench_peer", "uniform", "kuhn:2", "1", "assess"], tables.environment())
+        values, _ = assess.assess(self.corners, "cube", None)
+        row = measure.lines_by_level(text)[0]
+        for name, value in values.items():
+            self.assertAlmostEqual(row[name], value, 6, name)
+
     def test_ours_is_found_to_be_whole(self):
         for law, mesh, *levels in (
             ("shell", "kuhn:5", "1"),
