@@ -4,10 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <span>
 #include <utility>
 
+#include "meshing/flip_between.hpp"
 #include "meshing/mesh3.hpp"
 #include "meshing/order_raw_mesh.hpp"
 #include "meshing/peel.hpp"
@@ -35,6 +37,15 @@ namespace {
 
 constexpr double thin_factor = 1.5;  // longest edges over the thickness that need no word
 
+/// A factor of sizes, 0.97 to 1.03, that has no symmetry. Equal edges at a corner of two regions would put four nodes of
+/// the plane between them on one circle: they make a flat cell, whose middle may be far away and outside, so that CGAL
+/// takes its faces for a boundary and refines them until rounding ends it.
+double unevenness(const Domain& domain, geometry::Vec3 p) {
+  if (domain.regions.empty()) return 1;
+  const auto q = (1 / domain.radius) * (p - domain.center);
+  return 1 + 0.01 * (std::sin(7.1 * q.x) + std::sin(8.3 * q.y + 1) + std::sin(9.7 * q.z + 2));
+}
+
 /// What CGAL makes of a domain, with sizes that are 3 % smaller or larger where it fails with those that were asked
 /// for.
 RawMesh mesh_interior(const Domain& domain, unsigned seed, const Listener& listener) {
@@ -49,7 +60,7 @@ RawMesh mesh_interior(const Domain& domain, unsigned seed, const Listener& liste
   std::optional<MesherFailure> failure;  // with the sizes that were asked for
   for (const double factor : {1.0, 0.97, 1.03}) {
     auto changed = domain;
-    changed.size = [&domain, factor](geometry::Vec3 p) { return factor * domain.size(p); };
+    changed.size = [&domain, factor](geometry::Vec3 p) { return factor * unevenness(domain, p) * domain.size(p); };
     try {
       auto raw = run_mesh3(changed, seed, watch);
       if (failure)
@@ -68,6 +79,7 @@ RawMesh mesh_domain(const Domain& domain, unsigned seed, const Listener& listene
   listener.progress(1, "boundary");
   place_boundary(domain, raw);
   peel(domain, raw);
+  flip_between(domain, raw);
   listener.progress(2, "quality");
   improve(domain, raw);
   raw = ordered(raw);

@@ -50,7 +50,8 @@ int first_piece(const Domain& domain) { return first_region + domain.n_regions()
 constexpr double edge_factor = 0.72, face_factor = 0.6, cell_factor = 0.85;
 constexpr double min_face_angle = 28.0, cell_radius_edge_ratio = 2.0;
 constexpr double sliver_bound = 14.0;  // smallest dihedral angle worth no more work, degrees
-constexpr double relative_error = 1e-6;
+// Nodes of a plane between two regions that are off it by rounding only make next to no flat cells there.
+constexpr double relative_error = 1e-6, relative_error_between = 1e-9;
 
 geometry::Vec3 from_cgal(const Kernel::Point_3& p) { return {p.x(), p.y(), p.z()}; }
 
@@ -168,7 +169,8 @@ MeshDomain make_domain(const Domain& domain, CGAL::Random& random, Work& work) {
   const std::function<bool(int)> is_outside = [first = first_piece(domain)](int index) {
     return index < first_region || index >= first;
   };
-  MeshDomain result(p::function = label, p::bounding_object = ball, p::relative_error_bound = relative_error,
+  MeshDomain result(p::function = label, p::bounding_object = ball,
+                    p::relative_error_bound = domain.regions.empty() ? relative_error : relative_error_between,
                     p::p_rng = &random, p::null_subdomain_index = is_outside);
   std::vector<std::vector<Kernel::Point_3>> polylines;
   for (const auto& curve : domain.curves) {

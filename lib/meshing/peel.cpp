@@ -2,60 +2,22 @@
 #include "meshing/peel.hpp"
 
 #include <algorithm>
-#include <array>
 #include <map>
 #include <set>
 #include <utility>
 
+#include "meshing/ears.hpp"
 #include "pamr/base/index.hpp"
-#include "pamr/mesh/tet.hpp"
 
 namespace pamr::meshing {
 
 namespace {
 
 using geometry::Vec3;
-using LocalEdge = std::pair<std::int32_t, std::int32_t>;
-using LocalFace = std::array<std::int32_t, 3>;
-
-LocalEdge edge_of(std::int32_t a, std::int32_t b) { return {std::min(a, b), std::max(a, b)}; }
-
-LocalFace face_of(const RawMesh& mesh, std::int32_t cell, int slot) {
-  LocalFace nodes{};
-  for (std::size_t i = 0; i < 3; ++i) nodes[i] = mesh.cell[at(cell)][at(mesh::tet::face_to_corner[at(slot)][i])];
-  std::sort(nodes.begin(), nodes.end());
-  return nodes;
-}
-
-/// A cell with two boundary faces on one piece: the edge they share, and the one inside.
-struct Ear {
-  std::int32_t cell = 0;
-  int piece = 0;
-  LocalEdge outer, inner;
-  std::array<int, 2> hidden{};  ///< slots of the two faces that are not on the boundary
-};
-
-std::vector<Ear> find_ears(const RawMesh& mesh) {
-  std::map<std::int32_t, std::vector<BoundaryFace>> faces_of_cell;
-  for (const auto& face : mesh.face) faces_of_cell[face.cell].push_back(face);
-  std::vector<Ear> ears;
-  for (const auto& [cell, faces] : faces_of_cell) {
-    if (faces.size() != 2 || faces[0].piece != faces[1].piece) continue;
-    // the corners opposite the two faces end the inner edge
-    const int p = faces[0].slot, q = faces[1].slot;
-    const int shared = mesh::tet::opposite_edge(mesh::tet::edge_of[at(p)][at(q)]);
-    const auto [r, s] = mesh::tet::edge_to_corner[at(shared)];
-    const auto& nodes = mesh.cell[at(cell)];
-    ears.push_back(
-        {cell, faces[0].piece, edge_of(nodes[at(r)], nodes[at(s)]), edge_of(nodes[at(p)], nodes[at(q)]), {r, s}});
-  }
-  return ears;
-}
 
 /// True when the wall at the middle of the inner edge lies still further into the gas than that edge does.
 bool lies_behind(const Domain& domain, const RawMesh& mesh, const Ear& ear) {
-  const auto middle = [&](LocalEdge e) { return geometry::midpoint(mesh.position(e.first), mesh.position(e.second)); };
-  const Vec3 outer = middle(ear.outer), inner = middle(ear.inner);
+  const Vec3 outer = middle_of(mesh, ear.outer), inner = middle_of(mesh, ear.inner);
   // far from the wall, as in the middle of a ball, the nearest point says nothing
   if (Domain::region_of(domain.label(inner)) >= 0) return false;
   return geometry::dot(domain.pieces[at(ear.piece)].nearest(inner) - inner, inner - outer) > 0;
@@ -73,10 +35,8 @@ std::map<LocalFace, BoundaryFace> faces_by_nodes(const RawMesh& mesh) {
 
 int peel_once(const Domain& domain, RawMesh& mesh) {
   std::set<LocalEdge> boundary_edges;
-  for (const auto& face : mesh.face) {
-    const auto n = face_of(mesh, face.cell, face.slot);
-    boundary_edges.insert({edge_of(n[0], n[1]), edge_of(n[1], n[2]), edge_of(n[0], n[2])});
-  }
+  for (const auto& face : mesh.face)
+    for (const auto& edge : edges_of(face_of(mesh, face.cell, face.slot))) boundary_edges.insert(edge);
   std::set<LocalFace> between;  // regions: the cell behind such a face is of another one, which ends there
   for (const auto& face : mesh.between) between.insert(face_of(mesh, face.cell, face.slot));
   const auto is_between = [&](const Ear& ear) {
@@ -86,7 +46,7 @@ int peel_once(const Domain& domain, RawMesh& mesh) {
   std::vector<bool> gone(mesh.cell.size(), false);
   std::map<LocalFace, int> opened;  // faces behind the cells taken away, and their piece
   int n_gone = 0;
-  for (const auto& ear : find_ears(mesh)) {
+  for (const auto& ear : find_ears(mesh, mesh.face)) {
     if (boundary_edges.contains(ear.inner) || is_between(ear) || !lies_behind(domain, mesh, ear)) continue;
     boundary_edges.insert(ear.inner);
     gone[at(ear.cell)] = true;
