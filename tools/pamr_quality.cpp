@@ -116,6 +116,7 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
   session.write_report(whole_report(reports));
   if (reports.size() == 1) {
     session.summary(check::summary_of(reports.front()));
+    for (const auto& line : check::region_lines(reports.front().report)) session.summary(line);
     for (const auto& line : check::patch_lines(reports.front().report)) session.summary(line);
   } else {
     for (const auto& line : check::table_of(reports)) session.summary(line);

@@ -289,7 +289,9 @@ def test_solids_that_touch_or_lie_in_others_are_regions_and_overlaps_are_named()
         regions = report["regions"]
         assert abs(regions["solid_1"]["volume"] - (1 - inside * side ** 3)) < 1e-12 and abs(regions["solid_2"]["volume"] - side ** 3) < 1e-12, (name, regions)
         assert ("solid_1_solid_2" in report["patches"]) == (name not in ("corner", "clear")), (name, report["patches"])
-        assert run("pamr-quality", f"{name}.hdf", "--json", "-", serial=True).json["valid"]
+        quality = run("pamr-quality", f"{name}.hdf", "--json", "-", serial=True).json
+        assert quality["valid"] and {key: region["volume"] for key, region in quality["regions"].items()} == {
+            key: region["volume"] for key, region in regions.items()}, (quality["regions"], regions)
     refuses("pamr-mesh", step("edge.step", second_cube((1, 1, 0))), "-o", "a.hdf", creates="a.hdf", says=["touch along an edge alone at [1, 1, 0.5]"])
     overlap = step("overlap.step", second_cube((.5, .25, .25)))
     refuses("pamr-mesh", overlap, "-o", "a.hdf", creates="a.hdf", says=["\"solid_1\" and \"solid_2\" overlap at [0.75, 0.625, 0.625]", "--solid"])

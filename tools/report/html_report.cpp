@@ -131,7 +131,7 @@ std::string html_report(const std::vector<ReportedMesh>& meshes) {
                                    {"worst_cells", worst_cell_tables(meshes)},
                                    {"shapes", shape_table(meshes)},
                                    {"histograms", histogram_tables(meshes)},
-                                   {"patches", patch_tables(meshes)},
+                                   {"patches", region_tables(meshes) + patch_tables(meshes)},
                                    {"off_surface", off_surface_tables(meshes)},
                                    {"levels", level_table(meshes)},
                                    {"still", base64(bytes)},

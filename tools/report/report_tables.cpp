@@ -129,6 +129,19 @@ std::string level_table(const std::vector<ReportedMesh>& meshes) {
   return table.text();
 }
 
+std::string region_tables(const std::vector<ReportedMesh>& meshes) {
+  std::string text;
+  for (const auto& mesh : meshes) {
+    HtmlTable table(of_mesh("Regions", mesh),
+                    {"region", "number", "cells", with_unit("volume", mesh, "³"), "mean ratio, worst"});
+    for (const auto& region : mesh.numbers.report.regions)
+      table.add({region.name, std::to_string(region.number), grouped(region.cells), short_number(region.volume),
+                 fmt::format("{:.4f}", region.min_mean_ratio)});
+    if (!table.is_empty()) text += table.text();
+  }
+  return text;
+}
+
 std::string patch_tables(const std::vector<ReportedMesh>& meshes) {
   std::string text;
   for (const auto& mesh : meshes) {

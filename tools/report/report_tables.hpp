@@ -23,6 +23,8 @@ std::string shape_table(const std::vector<ReportedMesh>& meshes);
 /// Counts of the histograms, a folded table for each metric.
 std::string histogram_tables(const std::vector<ReportedMesh>& meshes);
 std::string level_table(const std::vector<ReportedMesh>& meshes);
+/// A table for each mesh that has regions.
+std::string region_tables(const std::vector<ReportedMesh>& meshes);
 /// A table for each mesh.
 std::string patch_tables(const std::vector<ReportedMesh>& meshes);
 std::string off_surface_tables(const std::vector<ReportedMesh>& meshes);

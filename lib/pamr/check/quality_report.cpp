@@ -68,6 +68,7 @@ QualityReport report_quality(const par::Comm& comm, const mesh::DistMesh& mesh, 
   report.bounding_box_diagonal = bounding_box_diagonal(comm, mesh);
   report.patches = measure_patches(comm, mesh, options.off_surface_tolerance * report.bounding_box_diagonal);
   report.triangles = measure_triangles(comm, mesh);
+  report.regions = measure_regions(comm, mesh);
   report.metrics = measure_cells(comm, mesh);
   count_levels(comm, mesh, report);
   report.uniform_shape_bound = worst_uniform_shape(comm, mesh);

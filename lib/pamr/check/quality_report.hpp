@@ -7,6 +7,7 @@
 
 #include "pamr/check/boundary_report.hpp"
 #include "pamr/check/metrics.hpp"
+#include "pamr/check/region_report.hpp"
 #include "pamr/check/tears.hpp"
 #include "pamr/check/triangle_metrics.hpp"
 #include "pamr/geometry/surface.hpp"
@@ -29,8 +30,9 @@ struct QualityReport {
   double bounding_box_diagonal = 0;  ///< length unit
   std::vector<PatchReport> patches;
   std::vector<TriangleReport> triangles;  ///< of each patch
-  std::int64_t inverted_cells = 0;        ///< volume not positive by exact arithmetic, or corners that are not finite
-  bool conforming = false;                ///< every inner face in exactly two cells, the boundary closed and manifold
+  std::vector<RegionReport> regions;
+  std::int64_t inverted_cells = 0;  ///< volume not positive by exact arithmetic, or corners that are not finite
+  bool conforming = false;          ///< every inner face in exactly two cells, the boundary closed and manifold
   bool neighbors_consistent =
       false;  ///< neighbors name each other across the same nodes, from opposite sides; other faces in a patch
   std::vector<validate::Violation> violations;  ///< of all invariants; empty: the mesh is valid

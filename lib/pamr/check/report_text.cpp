@@ -61,6 +61,16 @@ nlohmann::json to_json(const check::TriangleReport& report) {
   return json;
 }
 
+nlohmann::json to_json(const std::vector<RegionReport>& regions) {
+  nlohmann::json json = nlohmann::json::object();
+  for (const auto& region : regions)
+    json[region.name] = {{"number", region.number},
+                         {"cells", region.cells},
+                         {"volume", region.volume},
+                         {"min_mean_ratio", region.min_mean_ratio}};
+  return json;
+}
+
 }  // namespace
 
 nlohmann::json to_json(const check::QualityReport& report) {
@@ -101,6 +111,7 @@ nlohmann::json to_json(const check::QualityReport& report) {
     entry["off_facets_nodes"] = patch.off_facets_nodes;
     entry["worst_off_facets"] = patch.worst_off_facets;
   }
+  if (!report.regions.empty()) json["regions"] = to_json(report.regions);
   json["violations"] = nlohmann::json::array();
   for (const auto& violation : report.violations)
     json["violations"].push_back(
@@ -150,6 +161,14 @@ std::vector<std::string> patch_lines(const QualityReport& report) {
         "patch {}: {}, area {:.8g}, {} off its surface, {}", patch.name, counted(patch.faces, "face", "faces"),
         patch.area, counted(patch.off_surface_nodes, "node", "nodes"),
         patch.faces == 0 ? "no cells at it" : fmt::format("mean ratio of its cells min {:.4f}", patch.min_mean_ratio)));
+  return lines;
+}
+
+std::vector<std::string> region_lines(const QualityReport& report) {
+  std::vector<std::string> lines;
+  for (const auto& region : report.regions)
+    lines.push_back(fmt::format("region {} {}: {}, volume {:.10g}, mean ratio min {:.4f}", region.number, region.name,
+                                counted(region.cells, "cell", "cells"), region.volume, region.min_mean_ratio));
   return lines;
 }
 

@@ -29,6 +29,9 @@ std::string summary_of(const NamedReport& report);
 /// A line for each patch: its faces, area, nodes off its surface, and the smallest mean ratio of the cells at it.
 std::vector<std::string> patch_lines(const QualityReport& report);
 
+/// A line for each region: its number and name, cells, volume, and the smallest mean ratio of the cells.
+std::vector<std::string> region_lines(const QualityReport& report);
+
 /// Several meshes, such as the levels of a run, as lines of a table, heads first; then the patches on curved surfaces,
 /// each mesh by mesh.
 std::vector<std::string> table_of(const std::vector<NamedReport>& reports);

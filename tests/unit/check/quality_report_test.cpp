@@ -117,6 +117,50 @@ TEST(QualityReport, HasTheSameBitsForEveryNumberOfRanks) {
   expect_same_bits(report_of(world, shared), report_of(self, whole));
 }
 
+/// The left half of a cube is region 7, without a name, the right one 3, "right".
+mesh::DistMesh halves(const par::Comm& comm) {
+  auto mesh = shaken_cube(comm, 4, 0.03);
+  std::vector<std::int64_t> region;
+  for (LocalId c = 0; c < mesh.n_cells(); ++c) {
+    const auto p = mesh.points(c);
+    region.push_back(0.25 * (p[0] + p[1] + p[2] + p[3]).x < 0.5 ? 7 : 3);
+  }
+  mesh.cell_fields.push_back({mesh::region_field, "", 1, mesh::StorageType::int64, std::move(region)});
+  mesh.info.regions = {{3, "right"}};
+  return mesh;
+}
+
+TEST(QualityReport, MeasuresRegions) {
+  par::Comm world(MPI_COMM_WORLD), self(MPI_COMM_SELF);
+
+  const auto report = report_of(world, halves(world)), whole = report_of(self, halves(self));
+
+  ASSERT_EQ(report.regions.size(), 2U);
+  const auto &right = report.regions[0], &left = report.regions[1];
+  EXPECT_EQ(right.number, 3);
+  EXPECT_EQ(right.name, "right");
+  EXPECT_EQ(left.number, 7);
+  EXPECT_EQ(left.name, "7");
+  EXPECT_EQ(right.cells + left.cells, report.cells);
+  EXPECT_NEAR(static_cast<double>(right.cells), 192, 12);
+  EXPECT_NEAR(right.volume + left.volume, report.volume, 1e-15);
+  EXPECT_EQ(std::min(right.min_mean_ratio, left.min_mean_ratio), report.metrics[1].min);
+  EXPECT_LT(report.metrics[1].min, std::max(right.min_mean_ratio, left.min_mean_ratio));
+  for (std::size_t r = 0; r < 2; ++r) {
+    EXPECT_EQ(bits(report.regions[r].volume), bits(whole.regions[r].volume));
+    EXPECT_EQ(bits(report.regions[r].min_mean_ratio), bits(whole.regions[r].min_mean_ratio));
+  }
+}
+
+TEST(QualityReport, TakesAFieldOfManyValuesForNoRegions) {
+  par::Comm comm(MPI_COMM_WORLD);
+  auto mesh = shaken_cube(comm, 6, 0);
+  std::vector<std::int64_t> region(mesh.cell_global.begin(), mesh.cell_global.end());
+  mesh.cell_fields.push_back({mesh::region_field, "", 1, mesh::StorageType::int64, std::move(region)});
+
+  EXPECT_TRUE(report_of(comm, mesh).regions.empty());
+}
+
 TEST(QualityReport, CountsANodeOffItsSurfaceOnceForEachPatch) {
   par::Comm comm(MPI_COMM_WORLD);
   auto mesh = shaken_cube(comm, 2, 0);
