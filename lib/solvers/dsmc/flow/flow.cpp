@@ -77,6 +77,7 @@ Flow::Flow(const par::Comm& comm, const mesh::DistMesh& mesh, Setup setup)
   if (!(setup_.dt > 0) || !(setup_.fnum > 0))
     throw Error(fmt::format("expected a positive time step and weight, found {} s and {} molecules a particle",
                             setup_.dt, setup_.fnum));
+  particles = Particles(setup_.gas.is_vibrating);
   join_periodic(comm, mesh, setup_.patch, domain_);
   const auto n = at(mesh.n_cells());
   if (!setup_.cell_dt.empty()) {

@@ -12,7 +12,7 @@ GasContents contents_of(const Flow& flow) {
   const auto& p = flow.particles;
   const auto& species = flow.setup().gas.species;
   const auto& units = flow.surface;
-  std::array<WideSum, 6> wide;
+  std::array<WideSum, 7> wide;
   std::vector<std::int64_t> sums(2 * wide.size() + species.size(), 0);  // their words, and numbers of the species
   std::int64_t* const number = sums.data() + 2 * wide.size();
   const auto fixed = [](double value) { return std::llrint(value); };
@@ -24,6 +24,9 @@ GasContents contents_of(const Flow& flow) {
     wide[2].add(fixed(m * v.z / units.momentum_unit));
     wide[3].add(fixed(0.5 * m * squared_norm(v) / units.energy_unit));
     wide[4].add(fixed(w * p.rotation[i] / units.energy_unit));
+    if (p.vibrate())
+      wide[6].add(
+          fixed(w * boltzmann * vibrational_energy(species[p.species[i]].vibration, p.levels[i]) / units.energy_unit));
     ++number[p.species[i]];
   }
   if (flow.setup().gas.is_weighted)
@@ -34,7 +37,10 @@ GasContents contents_of(const Flow& flow) {
   }
   flow.comm().sum_in_place(sums);
   const auto total = [&](std::size_t k) { return WideSum{sums[2 * k], sums[2 * k + 1]}.settled(); };
-  return {{number, number + species.size()}, {total(0), total(1), total(2)}, total(3), total(4), total(5)};
+  GasContents contents{
+      {number, number + species.size()}, {total(0), total(1), total(2)}, total(3), total(4), total(5), {}};
+  if (p.vibrate()) contents.vibration = total(6);
+  return contents;
 }
 
 std::vector<std::int64_t> total_fluxes(const par::Comm& comm, const FluxTally& flux) {
@@ -53,20 +59,26 @@ Temperatures temperatures_of(const GasContents& contents, const Flow& flow) {
   const auto& species = flow.setup().gas.species;
   const auto& units = flow.surface;
   double mass = 0, n = 0, weights = 0, degrees = 0;
+  std::vector<double> counts;
   for (std::size_t s = 0; s < species.size(); ++s) {
     const auto n_here = static_cast<double>(contents.n[s]);
     n += n_here;
     const double count = species[s].weight * n_here;
+    counts.push_back(count);
     mass += species[s].mass * count;
     weights += count;
     degrees += species[s].rotational_degrees * count;
   }
-  if (n < 2) return {};
+  if (n < 2) return {0, 0, contents.vibration ? std::optional(0.0) : std::nullopt};
   const auto& p = contents.momentum;
   const Vec3 momentum = units.momentum_unit * Vec3{p[0].value(), p[1].value(), p[2].value()};
   const double energy = units.energy_unit * contents.translation.value() - squared_norm(momentum) / (2 * mass);
   return {energy / (1.5 * boltzmann * (weights - weights / n)),
-          degrees > 0 ? units.energy_unit * contents.rotation.value() / (0.5 * degrees * boltzmann) : 0};
+          degrees > 0 ? units.energy_unit * contents.rotation.value() / (0.5 * degrees * boltzmann) : 0,
+          contents.vibration
+              ? std::optional(temperature_of_vibration(flow.setup().gas.vibrations(), counts,
+                                                       units.energy_unit * contents.vibration->value() / boltzmann))
+              : std::nullopt};
 }
 
 }  // namespace pamr::dsmc

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "solvers/dsmc/flow/flow.hpp"
@@ -19,6 +20,7 @@ std::vector<std::int64_t> total_fluxes(const par::Comm& comm, const FluxTally& f
 /// Temperatures of all particles together, about their mean velocity, K.
 struct Temperatures {
   double translational = 0, rotational = 0;
+  std::optional<double> vibrational;  ///< none: nothing vibrates
 };
 /// Local.
 Temperatures temperatures_of(const GasContents& contents, const Flow& flow);

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "solvers/dsmc/gas/vibration.hpp"
+
 namespace pamr::dsmc {
 
 inline constexpr double boltzmann = 1.380649e-23;  ///< J/K
@@ -22,6 +24,7 @@ struct Species {
   int rotational_degrees = 0;
   /// F_num of this species divided by F_num of the cell. Below 1 for a trace species, which then has more particles.
   double weight = 1;
+  Vibration vibration = {};  ///< empty where the case computes none
 };
 
 /// How often a collision exchanges energy with a molecule's rotation.
@@ -56,20 +59,24 @@ struct Gas {
   Rotation rotation;
 
   const PairData& pair(std::size_t a, std::size_t b) const { return pairs[a * species.size() + b]; }
-  std::vector<PairData> pairs;  ///< filled by `prepare`
-  bool is_weighted = false;     ///< filled by `prepare`: the species have different weights
+  std::vector<PairData> pairs;                ///< filled by `prepare`
+  bool is_weighted = false;                   ///< filled by `prepare`: the species have different weights
+  bool is_vibrating = false;                  ///< filled by `prepare`: some species has modes of vibration
+  std::vector<RelaxingShare> relaxing_share;  ///< of each pair, filled by `prepare`; empty: nothing vibrates
 
+  /// Of each species, as `temperature_of_vibration` takes them.
+  std::vector<const Vibration*> vibrations() const;
   double mean_mass() const;
   double mean_degrees() const;  ///< 3 + rotational
-  double heat_ratio() const;    ///< gamma = (degrees + 2) / degrees
+  /// gamma = (degrees + 2) / degrees in equilibrium at `t`, K, where vibration counts by its heat capacity.
+  double heat_ratio(double t) const;
 };
 
-/// Whether a temperature (K) is one at which the vibration of molecules and chemistry, which are not modeled, matter: the
-/// gas has molecules of two or more atoms, and it is above 2,500 K. Local.
-bool lacks_vibration(const Gas& gas, double temperature);
-/// Text of the warning about it.
-inline constexpr const char* without_vibration =
-    "above 2,500 K molecules vibrate and react, which is not modeled: the real gas is cooler and has more atoms";
+/// Whether a temperature (K) is one at which chemistry and vibration, the first of which is never modeled, matter: the gas
+/// has molecules of two or more atoms, and it is above 2,500 K. Local.
+bool is_hot(const Gas& gas, double temperature);
+/// Text of the warning about it, by what the gas has.
+const char* missing_when_hot(const Gas& gas);
 
 /// Fills the table of pairs; diameters, exponents and reference temperatures of a pair are the means of its molecules.
 /// Throws `Error` for values that make no sense.
@@ -87,5 +94,17 @@ inline double section_times_speed(const PairData& pair, double speed_squared) {
 /// pair; `t`: temperature of the gas, K, used by the variable model. A continuum relaxation number Z gives
 /// (zeta_r + 5 - 2 omega) / (Z (5 - 2 omega)), since at most one molecule relaxes per collision.
 double relaxation_probability(const Rotation& rotation, int rotational_degrees, double omega, double t);
+
+/// Collisions of a molecule in which its vibration relaxes by a factor of e, the relaxation time times the collision
+/// frequency at `t` (K): c1 / T^omega exp(c2 / T^(1/3)), and in addition where a limit is given sqrt(2) sigma_T /
+/// sigma_v with sigma_v = cross_section (50,000 / T)^2, without which molecules would relax more often than they collide.
+/// Source: R. C. Millikan, D. R. White, "Systematics of vibrational relaxation", J. Chem. Phys. 39 (1963), in the form of
+/// G. A. Bird 1994, section 6.5; the limit: C. Park, "Review of chemical-kinetic problems of future NASA missions, I:
+/// Earth entries", J. Thermophys. Heat Transfer 7 (1993).
+double vibration_number(const Species& species, double t);
+
+/// Probability that in a collision a mode of a molecule of species `a` exchanges energy with the motion relative to one
+/// of species `b`, in gas of temperature `t` (K), so that the mean energy relaxes in `vibration_number` collisions.
+double vibration_chance(const Gas& gas, std::size_t a, std::size_t b, std::size_t mode, double t);
 
 }  // namespace pamr::dsmc

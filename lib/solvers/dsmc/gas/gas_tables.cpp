@@ -21,6 +21,26 @@ namespace {
 
 using SpeciesByName = std::map<std::string, Species>;
 
+/// [species.NAME.vibration].
+Vibration read_vibration(const TomlTable& table) {
+  Vibration vibration;
+  const auto modes = static_cast<std::int64_t>(max_modes);
+  const auto degeneracies =
+      table.has("degeneracies") ? table.integers("degeneracies", 1, modes) : std::vector<std::int64_t>{1};
+  const auto theta = table.numbers("temperatures", degeneracies.size());
+  for (std::size_t i = 0; i < theta.size(); ++i) {
+    if (!(theta[i] >= 1 && theta[i] <= 1e5)) table.refuse("temperatures", "numbers of 1 to 1e5 K");
+    vibration.mode.insert(vibration.mode.end(), static_cast<std::size_t>(degeneracies[i]), theta[i]);
+  }
+  if (vibration.mode.empty() || vibration.mode.size() > max_modes)
+    table.fail(fmt::format("expected 1 to {} modes, a degenerate one counted as often as it is, found {}", max_modes,
+                           vibration.mode.size()));
+  vibration.c1 = table.number("c1", {1e-30, 1e30});
+  vibration.c2 = table.number("c2", {0, 1e4});
+  vibration.cross_section = table.number_or("cross_section", 0, {0, 1e-15});
+  return vibration;
+}
+
 void read_species(const TomlTable& tables, SpeciesByName& known) {
   for (const auto& table : tables.all_tables()) {
     Species s;
@@ -31,6 +51,11 @@ void read_species(const TomlTable& tables, SpeciesByName& known) {
     s.t_ref = table.number("t_ref", temperatures);
     s.alpha = table.number_or("alpha", 1, {1, 2});
     s.rotational_degrees = static_cast<int>(table.integer_or("rotational_degrees", 0, 0, 3));
+    if (const auto vibration = table.find_table("vibration")) {
+      s.vibration = read_vibration(*vibration);
+      if (s.rotational_degrees == 0)
+        vibration->fail("expected no vibration of a species without rotational_degrees, found some");
+    }
     known[s.name] = s;
   }
 }
@@ -131,6 +156,21 @@ Rotation read_rotation(const TomlTable& table) {
   return rotation;
 }
 
+/// [gas] vibration: without it no species has any.
+void choose_vibration(const std::optional<TomlTable>& table, Gas& gas) {
+  if (table && table->flag_or("vibration", false)) {
+    bool any = false;
+    for (const auto& s : gas.species) {
+      if (s.rotational_degrees > 0 && s.vibration.mode.empty())
+        table->refuse("vibration", fmt::format("a table [species.{}.vibration] beside true", s.name));
+      any = any || !s.vibration.mode.empty();
+    }
+    if (!any) table->refuse("vibration", "false, or a gas with molecules of two or more atoms");
+    return;
+  }
+  for (auto& s : gas.species) s.vibration = {};
+}
+
 /// [stream.free], if it has an altitude.
 std::optional<TomlTable> free_stream_of_air(const TomlTable& file) {
   const auto streams = file.find_table("stream");
@@ -166,6 +206,9 @@ Stream read_stream(const TomlTable& table, const Gas& gas) {
     s.density = read_density(table, s.temperature);
   }
   s.rotational_temperature = table.number_or("rotational_temperature", s.temperature, {0, 1e6});
+  if (!gas.is_vibrating && table.has("vibrational_temperature"))
+    table.refuse("vibrational_temperature", "no such key without vibration = true in [gas]");
+  s.vibrational_temperature = table.number_or("vibrational_temperature", s.temperature, {0, 1e6});
   if (table.has("speed")) {
     const double speed = number_or_none(table, "speed", speeds);
     const double angle = table.number_or("angle", 0, {-180, 180}) * std::numbers::pi / 180;
@@ -228,6 +271,7 @@ Gas read_gas(const TomlTable& file, const std::string& where) {
   }
   if (table)
     if (const auto rotation = table->find_table("rotation")) gas.rotation = read_rotation(*rotation);
+  choose_vibration(table, gas);
   prepare(gas);
   return gas;
 }

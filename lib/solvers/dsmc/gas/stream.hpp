@@ -10,7 +10,8 @@ namespace pamr::dsmc {
 
 using geometry::Vec3;
 
-/// A uniform gas in equilibrium, far away or at the start; its rotation may have a temperature of its own.
+/// A uniform gas in equilibrium, far away or at the start; its rotation and vibration may have
+/// temperatures of their own.
 struct Stream {
   std::string name;
   double density = 0;      ///< molecules per m3
@@ -18,6 +19,7 @@ struct Stream {
   double rotational_temperature = 0;
   Vec3 velocity;                 ///< m/s
   std::vector<double> fraction;  ///< of the species; sum 1
+  double vibrational_temperature = 0;
 };
 
 }  // namespace pamr::dsmc

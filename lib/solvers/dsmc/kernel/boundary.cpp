@@ -11,7 +11,7 @@ using namespace geometry;
 namespace {
 
 Motion mirror(Vec3 normal, const Motion& in) {
-  return {in.velocity - (2 * dot(in.velocity, normal)) * normal, in.rotation};
+  return {in.velocity - (2 * dot(in.velocity, normal)) * normal, in.rotation, in.levels};
 }
 
 /// Half a Maxwellian at the wall's temperature.
@@ -24,6 +24,7 @@ Motion emit(const BoundaryCondition& wall, const Species& species, Vec3 normal, 
   Motion out;
   out.velocity = (-away) * normal + (along * p) * a + (along * q) * b + wall.velocity;
   out.rotation = boltzmann * wall.temperature * random.thermal_energy(species.rotational_degrees);
+  out.levels = thermal_levels(species.vibration, wall.temperature, random);
   return out;
 }
 
@@ -62,6 +63,9 @@ Motion scatter(const BoundaryCondition& wall, const Species& species, Vec3 norma
   } else {
     out.rotation = in.rotation;
   }
+  out.levels = in.levels;
+  if (!species.vibration.mode.empty() && random.uniform() < wall.vibrational_accommodation)
+    out.levels = thermal_levels(species.vibration, wall.temperature, random);
   return out;
 }
 

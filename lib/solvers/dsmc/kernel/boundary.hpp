@@ -6,6 +6,7 @@
 #include "pamr/geometry/vec3.hpp"
 #include "solvers/dsmc/gas/gas.hpp"
 #include "solvers/dsmc/kernel/random.hpp"
+#include "solvers/dsmc/kernel/vibrate.hpp"
 
 namespace pamr::dsmc {
 
@@ -28,14 +29,15 @@ struct BoundaryCondition {
   double temperature = 0;  ///< K
   Vec3 velocity{};         ///< m/s, of the wall, in its plane
   double accommodation = 1;
-  double normal_accommodation = 1;      ///< cll: of the normal energy
-  double tangential_accommodation = 1;  ///< cll: of the tangential momentum
-  double rotational_accommodation = 1;  ///< cll: of the rotational energy
-  int stream = -1;                      ///< inflow, inlet: index of the stream
-  int partner = -1;                     ///< periodic: index of the other patch
-  double pressure = 0;                  ///< outlet: Pa
-  double mass_flow = 0;                 ///< inlet: kg/s through the patch; 0: as the pressure of the stream says
-  double relaxation = 100;              ///< inlet, outlet: steps over which what passes the patch is averaged
+  double normal_accommodation = 1;       ///< cll: of the normal energy
+  double tangential_accommodation = 1;   ///< cll: of the tangential momentum
+  double rotational_accommodation = 1;   ///< cll: of the rotational energy
+  double vibrational_accommodation = 1;  ///< cll: of vibration, the part of molecules that take the wall's temperature
+  int stream = -1;                       ///< inflow, inlet: index of the stream
+  int partner = -1;                      ///< periodic: index of the other patch
+  double pressure = 0;                   ///< outlet: Pa
+  double mass_flow = 0;                  ///< inlet: kg/s through the patch; 0: as the pressure of the stream says
+  double relaxation = 100;               ///< inlet, outlet: steps over which what passes the patch is averaged
 
   bool is_wall() const { return kind == Kind::diffuse || kind == Kind::specular || kind == Kind::cll; }
   bool is_driven() const { return kind == Kind::inlet || kind == Kind::outlet; }
@@ -43,13 +45,18 @@ struct BoundaryCondition {
   bool is_open() const { return kind == Kind::outflow || brings_gas(); }
 };
 
-/// A molecule's velocity and rotational energy.
+/// A molecule's velocity, rotational energy and levels of vibration.
 struct Motion {
   Vec3 velocity;
   double rotation = 0;
+  std::uint32_t levels = 0;
 };
 
-/// Velocity and rotational energy of a molecule after its reflection. `normal`: unit, out of the gas. Local.
+inline double internal_energy(const Species& species, const Motion& m) {
+  return internal_energy(species, m.rotation, m.levels);
+}
+
+/// Motion of a molecule after its reflection. `normal`: unit, out of the gas. Local.
 Motion reflect(const BoundaryCondition& wall, const Species& species, Vec3 normal, const Motion& incident,
                Random& random);
 

@@ -10,6 +10,7 @@
 #include "pamr/base/memory.hpp"
 #include "solvers/dsmc/gas/kinetic_theory.hpp"
 #include "solvers/dsmc/kernel/random.hpp"
+#include "solvers/dsmc/kernel/vibrate.hpp"
 
 namespace pamr::dsmc {
 
@@ -57,8 +58,8 @@ Exchange exchange_chances(const Gas& gas, std::size_t sa, std::size_t sb, double
   return {std::min(a, limit), std::min(b, limit), a > limit || b > limit};
 }
 
-/// The largest chance of an exchange in a collision of any two molecules.
-double max_exchange_chance(const Gas& gas, double temperature) {
+/// The largest chance of an exchange with rotation in a collision of any two molecules.
+double max_rotation_chance(const Gas& gas, double temperature) {
   double largest = 0;
   for (std::size_t a = 0; a < gas.species.size(); ++a)
     for (std::size_t b = a; b < gas.species.size(); ++b) {
@@ -115,13 +116,14 @@ Collider::Collider(const Gas& gas, const CollisionOptions& options, std::uint64_
       options_(options),
       seed_(seed),
       of_pair_(gas.pairs.size(), 0),
-      bounds_(gas.pairs.begin(), gas.pairs.end()) {}
+      bounds_(gas.pairs.begin(), gas.pairs.end()),
+      vibration_chance_(gas.is_vibrating ? max_modes * gas.pairs.size() : 0, 0.0) {}
 
 CollisionCounts Collider::collide(const GasDomain& domain, std::uint64_t step, Particles& particles,
                                   std::vector<CellCollisions>& state) {
   counts_ = {};
   if (!options_.enabled) return counts_;
-  if (gas_->rotation.model != Rotation::Model::variable) max_exchange_ = max_exchange_chance(*gas_, 0);
+  if (gas_->rotation.model != Rotation::Model::variable) max_exchange_ = max_rotation_chance(*gas_, 0);
   for (std::size_t c = 0; c < state.size(); ++c)
     if (particles.begin()[c + 1] - particles.begin()[c] > 1) collide_cell(domain, c, step, particles, state[c]);
   return counts_;
@@ -130,7 +132,8 @@ CollisionCounts Collider::collide(const GasDomain& domain, std::uint64_t step, P
 void Collider::collide_cell(const GasDomain& domain, std::size_t c, std::uint64_t step, Particles& particles,
                             CellCollisions& state) {
   const auto begin = particles.begin()[c], end = particles.begin()[c + 1], n = end - begin;
-  if (gas_->rotation.model == Rotation::Model::variable) {
+  const bool varies = gas_->is_vibrating || gas_->rotation.model == Rotation::Model::variable;
+  if (varies) {
     const double now = temperature_of(*gas_, particles, begin, end);
     state.temperature = state.temperature > 0 ? state.temperature + 0.02 * (now - state.temperature) : now;
   }
@@ -150,7 +153,8 @@ void Collider::collide_cell(const GasDomain& domain, std::size_t c, std::uint64_
   has_sub_cells_ = options_.partner == CollisionOptions::Partner::subcell && !gas_->is_weighted &&
                    SubCells::are_worth(n, candidates) && sub_cells_.start(particles, begin, n, domain.volume[c]);
   if (!has_sub_cells_) nearest_.start(particles, begin, n, candidates);
-  if (gas_->rotation.model == Rotation::Model::variable) max_exchange_ = max_exchange_chance(*gas_, state.temperature);
+  if (varies) max_exchange_ = max_rotation_chance(*gas_, state.temperature);
+  if (gas_->is_vibrating) set_vibration_chances(state.temperature);
   if (max_exchange_ > 0) last_candidate_.assign(n, 0);
   for (std::int64_t k = 0; k < candidates; ++k) {
     const double draw = max_exchange_ > 0 ? random.uniform() : 1;
@@ -203,7 +207,10 @@ void Collider::collide_weighted(Particles& p, Partners partners, double heaviest
   if (first.weight == second.weight) {
     if (first.weight == heaviest) {
       const auto& pair = gas_->pair(p.species[a], p.species[b]);
-      partners.speed_squared += 2 * std::exchange(state.energy_deficit, 0.0) / (heaviest * pair.reduced_mass);
+      const double has = 0.5 * heaviest * pair.reduced_mass * partners.speed_squared;
+      const double given = std::max(state.energy_deficit, -has);
+      state.energy_deficit -= given;
+      partners.speed_squared = std::max(0.0, partners.speed_squared + 2 * given / (heaviest * pair.reduced_mass));
     }
     collide_pair(p, partners, state.temperature, random);
     return;
@@ -214,6 +221,7 @@ void Collider::collide_weighted(Particles& p, Partners partners, double heaviest
   const double part = (a_is_heavier ? second.weight : first.weight) / kind.weight;
   const Vec3 old = p.velocity(heavy);
   const double old_rotation = p.rotation[heavy];
+  const auto old_levels = p.levels_of(heavy);
   collide_pair(p, partners, state.temperature, random);
   const Vec3 change = p.velocity(heavy) - old;
   // part v'^2 + (1 - part) v^2 - (v + part (v' - v))^2 = part (1 - part) (v' - v)^2
@@ -221,6 +229,12 @@ void Collider::collide_weighted(Particles& p, Partners partners, double heaviest
   const Vec3 mean = old + part * change;
   p.u[heavy] = mean.x, p.v[heavy] = mean.y, p.w[heavy] = mean.z;
   p.rotation[heavy] = old_rotation + part * (p.rotation[heavy] - old_rotation);
+  if (p.levels_of(heavy) == old_levels) return;
+  const double gained = boltzmann * (vibrational_energy(kind.vibration, p.levels[heavy]) -
+                                     vibrational_energy(kind.vibration, old_levels));
+  const bool stays = random.uniform() >= part;
+  if (stays) p.levels[heavy] = old_levels;
+  state.energy_deficit += kind.weight * (stays ? part : part - 1) * gained;
 }
 
 std::uint32_t Collider::choose_partner(const Particles& p, Rows cell, std::uint32_t first, std::uint32_t excluded,
@@ -253,6 +267,48 @@ std::uint32_t Collider::choose_weighted_partner(const Particles& p, Rows cell, s
   return nearest;
 }
 
+void Collider::set_vibration_chances(double temperature) {
+  const auto n = gas_->species.size();
+  double largest = 0;
+  for (std::size_t a = 0; a < n; ++a)
+    for (std::size_t b = 0; b < n; ++b)
+      for (std::size_t i = 0; i < gas_->species[a].vibration.mode.size(); ++i)
+        vibration_chance_[(a * n + b) * max_modes + i] = vibration_chance(*gas_, a, b, i, temperature);
+  for (std::size_t a = 0; a < n; ++a)
+    for (std::size_t b = a; b < n; ++b)
+      largest = std::max(largest, vibration_chance_of(a, b) + vibration_chance_of(b, a));
+  max_exchange_ = std::min(1.0, max_exchange_ + largest);
+}
+
+double Collider::vibration_chance_of(std::size_t a, std::size_t b) const {
+  if (vibration_chance_.empty()) return 0;
+  const auto* chance = vibration_chance_.data() + (a * gas_->species.size() + b) * max_modes;
+  double sum = 0;
+  for (std::size_t i = 0; i < max_modes; ++i) sum += chance[i];
+  return sum;
+}
+
+double Collider::exchange_vibration(Particles& p, const Partners& partners, double draw, double motion,
+                                    Random& random) {
+  const auto sa = p.species[partners.a], sb = p.species[partners.b];
+  const double of_a = vibration_chance_of(sa, sb);
+  const bool is_a = draw < of_a;
+  const auto who = is_a ? partners.a : partners.b;
+  const auto& modes = gas_->species[p.species[who]].vibration.mode;
+  const auto pair = is_a ? sa * gas_->species.size() + sb : sb * gas_->species.size() + sa;
+  double rest = is_a ? draw : draw - of_a;
+  std::size_t mode = 0;
+  while (mode + 1 < modes.size() && rest >= vibration_chance_[pair * max_modes + mode])
+    rest -= vibration_chance_[pair * max_modes + mode++];
+  auto& word = p.levels[who];
+  const double quantum = boltzmann * modes[mode];
+  const double total = motion + quantum * levels::of_mode(word, mode, modes.size());
+  const auto level =
+      draw_level(total / quantum, gas_->pairs[pair].translational_exponent - 1, levels::highest(modes.size()), random);
+  word = levels::with(word, mode, modes.size(), level);
+  return std::max(0.0, total - quantum * level);
+}
+
 void Collider::collide_pair(Particles& p, const Partners& partners, double temperature, Random& random) {
   const auto [a, b, speed_squared, draw] = partners;
   const auto sa = p.species[a], sb = p.species[b];
@@ -260,14 +316,20 @@ void Collider::collide_pair(Particles& p, const Partners& partners, double tempe
   double speed = std::sqrt(speed_squared);
   if (max_exchange_ > 0) {
     const auto chance = exchange_chances(*gas_, sa, sb, temperature);
-    if (chance.is_clamped) ++counts_.clamped;
-    if (draw < chance.a + chance.b) {
-      const bool is_a = draw < chance.a;
+    const double vibration = vibration_chance_of(sa, sb) + vibration_chance_of(sb, sa);
+    const double all = chance.a + chance.b + vibration;
+    const double scaled = all > 1 ? all * draw : draw, rest = scaled - (chance.a + chance.b);
+    if (chance.is_clamped || all > 1) ++counts_.clamped;
+    if (rest < 0) {
+      const bool is_a = scaled < chance.a;
       double& rotation = p.rotation[is_a ? a : b];
       const double total = 0.5 * pair.reduced_mass * speed_squared + rotation;
       const int degrees = gas_->species[is_a ? sa : sb].rotational_degrees;
       rotation = total * beta(0.5 * degrees, pair.translational_exponent, random);
       speed = std::sqrt(2 * (total - rotation) / pair.reduced_mass);
+    } else if (rest < vibration) {
+      speed = std::sqrt(2 * exchange_vibration(p, partners, rest, 0.5 * pair.reduced_mass * speed_squared, random) /
+                        pair.reduced_mass);
     }
   }
   const Vec3 va = p.velocity(a), vb = p.velocity(b);

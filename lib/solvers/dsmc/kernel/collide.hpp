@@ -31,7 +31,7 @@ struct CollisionOptions {
 struct CellCollisions {
   double max_sigma_cr = 0;  ///< (sigma c_r)_max times weight, m3/s: a bound that grows when exceeded
   double remainder = 0;     ///< fraction of a candidate pair left over
-  double temperature = 0;   ///< K, smoothed translational temperature for the variable relaxation number; 0: unset
+  double temperature = 0;   ///< K, smoothed translational temperature for relaxation numbers that vary; 0: unset
   double separation = 0;    ///< m, summed over its collisions: distance of the two particles
   std::int64_t collisions = 0;
   double energy_deficit = 0;  ///< J times weight: lost by collisions of unlike weights, given back later
@@ -41,7 +41,7 @@ struct CellCollisions {
 struct CollisionCounts {
   std::int64_t candidates = 0;
   std::int64_t collisions = 0;
-  std::int64_t clamped = 0;  ///< collisions whose relaxation probability was limited to 1/2
+  std::int64_t clamped = 0;  ///< collisions whose relaxation probabilities were limited, to 1/2 a molecule and 1 in all
   void add(const CollisionCounts& other);
 };
 
@@ -66,6 +66,9 @@ std::vector<CellCollisions> start_collisions(const Gas& gas, double t, std::uint
 /// - Scattering: variable hard spheres (VHS) or variable soft spheres (VSS).
 /// - Rotation: Larsen-Borgnakke exchange, with at most one of the two molecules per collision. Whether a candidate may
 ///   exchange is drawn before its partner is chosen.
+/// - Vibration: the same draw decides whether instead one mode of one molecule exchanges (`vibration_chance`, by the
+///   smoothed temperature of the cell): its level is drawn anew (`draw_level`), the rest is relative motion. The chance
+///   does not depend on the pair's energy, so that equilibrium is kept.
 /// - Partners that may exchange: the nearest one by position, except the one just tried in this step, whatever came of
 ///   the trial. This keeps the equilibrium of rotation and translation exact.
 /// - Partners that may not exchange: the nearest one, except the particle's last collision partner, because a second
@@ -80,10 +83,10 @@ std::vector<CellCollisions> start_collisions(const Gas& gas, double t, std::uint
 /// - A pair collides with the probability of the larger weight; a collision stands for as many real ones as the lighter
 ///   particle has molecules.
 /// - The lighter particle takes the outcome. The heavier one gets the mean velocity and rotational energy of its two
-///   parts, collided and not; this keeps the momentum.
-/// - The energy lost by taking the mean is the cell's `energy_deficit`. It is added to the relative motion of the
-///   cell's next collision between two particles of the largest weight present: energy plus deficit is kept to
-///   rounding.
+///   parts, collided and not, which keeps the momentum, and the levels of one of them, drawn by their sizes.
+/// - The energy lost thereby is the cell's `energy_deficit`. It is added to the relative motion of the cell's next
+///   collision between two particles of the largest weight present (below 0: as far as that has it): energy plus deficit
+///   is kept to rounding.
 ///
 /// Source: G. A. Bird, Molecular Gas Dynamics and the Direct Simulation of Gas Flows, 1994, chapters 11 and 5; I. D.
 /// Boyd, "Conservative species weighting scheme for the direct simulation Monte Carlo method", J. Thermophys. Heat
@@ -115,11 +118,18 @@ class Collider {
   struct Partners {
     std::uint32_t a = 0, b = 0;
     double speed_squared = 0;  ///< of their relative motion
-    double draw = 1;           ///< in (0, 1): small ones exchange rotational energy
+    double draw = 1;           ///< in (0, 1): small ones exchange internal energy
   };
   void collide_pair(Particles& particles, const Partners& partners, double temperature, Random& random);
   void collide_weighted(Particles& particles, Partners partners, double heaviest, CellCollisions& state,
                         Random& random);
+  /// Chances of all modes in gas of a temperature.
+  void set_vibration_chances(double temperature);
+  /// Of a molecule of species a against one of species b, in all.
+  double vibration_chance_of(std::size_t a, std::size_t b) const;
+  /// A mode of one of the pair, chosen by `draw` from 0 to the chances of both, exchanges with the relative motion: whose
+  /// energy it has, and returns, in J.
+  double exchange_vibration(Particles& particles, const Partners& partners, double draw, double motion, Random& random);
 
   const Gas* gas_;
   CollisionOptions options_;
@@ -129,7 +139,9 @@ class Collider {
   std::vector<SectionBounds> bounds_;  ///< of the gas's pairs
   /// Of each particle of the cell: tag of its partner in the last candidate pair of this step that might exchange.
   std::vector<std::uint32_t> last_candidate_;
-  double max_exchange_ = 0;  ///< largest chance of an exchange of rotational energy in the current cell
+  double max_exchange_ = 0;  ///< largest chance of an exchange of internal energy in the current cell, at most 1
+  /// That a mode exchanges, by pair of species (its molecule's first) and mode, `max_modes` of them; empty: no vibration.
+  std::vector<double> vibration_chance_;
   NearestInCell nearest_;
   SubCells sub_cells_;
   bool has_sub_cells_ = false;  ///< the current cell

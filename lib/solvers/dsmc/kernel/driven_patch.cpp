@@ -9,6 +9,7 @@
 #include "pamr/base/index.hpp"
 #include "pamr/par/reproducible_sum.hpp"
 #include "solvers/dsmc/gas/kinetic_theory.hpp"
+#include "solvers/dsmc/kernel/vibrate.hpp"
 
 namespace pamr::dsmc {
 
@@ -54,13 +55,17 @@ DrivenPatch::DrivenPatch(const par::Comm& comm, const GasDomain& domain, const G
   entering_.gas.velocity = {};
   const auto n = gas.species.size();
   entering_.species.resize(n);
-  mean_.assign(is_outlet ? momentum() + 5 : 2 * n, 0.0);
+  mean_.assign(is_outlet ? momentum() + (gas.is_vibrating ? 6 : 5) : 2 * n, 0.0);
   for (std::size_t s = 0; s < n && is_outlet; ++s) {  // one particle
     const double weight = gas.species[s].weight;
     mean_[count(s)] = stream.fraction[s] / weight;
     mean_[momentum() + 3] += stream.fraction[s] * boltzmann * stream.temperature / scale.energy_unit;
     mean_[momentum() + 4] += stream.fraction[s] * 0.5 * gas.species[s].rotational_degrees * boltzmann *
                              stream.rotational_temperature / scale.energy_unit;
+    if (gas.is_vibrating)
+      mean_[momentum() + 5] += stream.fraction[s] * boltzmann *
+                               mean_vibrational_energy(gas.species[s].vibration, stream.vibrational_temperature) /
+                               scale.energy_unit;
   }
   if (condition_.mass_flow > 0) {
     const double mass = mass_of(stream.fraction);
@@ -100,6 +105,10 @@ void DrivenPatch::append_words(const FluxTally& flux, const Particles& particles
         here[momentum() + k] += SurfaceTally::fixed(mass * aside[k] / scale_.momentum_unit);
       here[momentum() + 3] += SurfaceTally::fixed(0.5 * mass * squared_norm(aside) / scale_.energy_unit);
       here[momentum() + 4] += SurfaceTally::fixed(species.weight * particles.rotation[i] / scale_.energy_unit);
+      if (gas_->is_vibrating)
+        here[momentum() + 5] +=
+            SurfaceTally::fixed(species.weight * boltzmann *
+                                vibrational_energy(species.vibration, particles.levels[i]) / scale_.energy_unit);
     }
 }
 
@@ -145,6 +154,12 @@ void DrivenPatch::take_gas_of_cells() {
     constexpr double coldest = 1e-3;
     gas.temperature = std::max(coldest, energy / (molecules * boltzmann));
     if (degrees > 0) gas.rotational_temperature = scale_.energy_unit * p[4] / (0.5 * degrees * boltzmann);
+    if (gas_->is_vibrating) {
+      std::vector<double> n;
+      for (std::size_t s = 0; s < gas_->species.size(); ++s) n.push_back(gas_->species[s].weight * mean_[count(s)]);
+      gas.vibrational_temperature =
+          temperature_of_vibration(gas_->vibrations(), n, scale_.energy_unit * p[5] / boltzmann);
+    }
   }
   gas.density = condition_.pressure / (boltzmann * gas.temperature);
 }
@@ -194,7 +209,8 @@ double DrivenPatch::sound() const {
   const auto& gas = entering_.gas;
   double degrees = 3;
   for (std::size_t s = 0; s < gas.fraction.size(); ++s)
-    degrees += gas.fraction[s] * gas_->species[s].rotational_degrees;
+    degrees += gas.fraction[s] * (gas_->species[s].rotational_degrees +
+                                  2 * vibrational_heat(gas_->species[s].vibration, gas.temperature));
   return std::sqrt((degrees + 2) / degrees * boltzmann * gas.temperature / mass_of(gas.fraction));
 }
 

@@ -82,7 +82,7 @@ class DrivenPatch {
     Vec3 normal;
   };
   /// Places of the sums: out and in of each species; of an outlet also particles of each species, momentum along the
-  /// patch (3), energy of the motion along it, and of rotation.
+  /// patch (3), energy of the motion along it, of rotation, and in a gas that vibrates of vibration.
   std::size_t out(std::size_t s) const { return s; }
   std::size_t in(std::size_t s) const { return gas_->species.size() + s; }
   std::size_t count(std::size_t s) const { return 2 * gas_->species.size() + s; }

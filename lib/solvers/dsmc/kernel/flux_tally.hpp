@@ -15,7 +15,8 @@ namespace pamr::dsmc {
 
 /// Particles, momentum and energy that have passed each surface (patches, then planes), of each species, each way: in
 /// fixed point, so that the sums depend neither on the order nor on the ranks. Momentum and energy are those in the
-/// frame of the mesh, times the species' weight; energy is translational and rotational.
+/// frame of the mesh, times the species' weight; energy is translational and
+/// internal.
 class FluxTally {
  public:
   enum class Way : std::uint8_t {
@@ -36,7 +37,7 @@ class FluxTally {
   /// `units`: what momentum and energy are measured in.
   FluxTally(const Gas& gas, std::size_t n_surfaces, const SurfaceTally& units);
 
-  void add(std::size_t surface, Way way, std::size_t species, Vec3 velocity, double rotation) {
+  void add(std::size_t surface, Way way, std::size_t species, Vec3 velocity, double internal) {
     const auto& unit = unit_[species];
     auto& sums = fresh_[row_of(surface, species, way, unit_.size())];
     ++n_fresh_;
@@ -44,7 +45,7 @@ class FluxTally {
     sums.momentum[0] += SurfaceTally::fixed(unit.momentum * velocity.x);
     sums.momentum[1] += SurfaceTally::fixed(unit.momentum * velocity.y);
     sums.momentum[2] += SurfaceTally::fixed(unit.momentum * velocity.z);
-    sums.energy += SurfaceTally::fixed(unit.translation * geometry::squared_norm(velocity) + unit.rotation * rotation);
+    sums.energy += SurfaceTally::fixed(unit.translation * geometry::squared_norm(velocity) + unit.internal * internal);
   }
   /// Particles that were added. Local.
   std::int64_t count(std::size_t surface, Way way, std::size_t species) const {
@@ -73,7 +74,7 @@ class FluxTally {
   struct Unit {
     double momentum = 0;     ///< per m/s
     double translation = 0;  ///< per m2/s2
-    double rotation = 0;     ///< per J
+    double internal = 0;     ///< per J
   };
   void fold();
 

@@ -11,6 +11,7 @@
 #include "pamr/base/machine.hpp"
 #include "solvers/dsmc/gas/kinetic_theory.hpp"
 #include "solvers/dsmc/kernel/numbering.hpp"
+#include "solvers/dsmc/kernel/vibrate.hpp"
 
 namespace pamr::dsmc {
 
@@ -66,6 +67,7 @@ Particle draw_particle(const Gas& gas, const Stream& stream, std::uint32_t speci
   Particle particle;
   particle.velocity = stream.velocity + c * Vec3{p, q, random.normal_pair().a};
   particle.rotation = boltzmann * stream.rotational_temperature * random.thermal_energy(kind.rotational_degrees);
+  particle.levels = thermal_levels(kind.vibration, stream.vibrational_temperature, random);
   particle.species = species;
   return particle;
 }
@@ -185,7 +187,10 @@ void Inflow::draw(std::uint64_t step, std::vector<Flight>& entering, FluxTally* 
         v = v - (dot(v, boundary.normal) + inwards) * boundary.normal;
         flight.time = rules_.domain->dt[c] * random.uniform_fine();
         entering.push_back(flight);
-        if (flux != nullptr) flux->add(at(boundary.patch), FluxTally::Way::in, s, v, flight.particle.rotation);
+        if (flux == nullptr) continue;
+        const auto& p = flight.particle;
+        flux->add(at(boundary.patch), FluxTally::Way::in, s, v,
+                  internal_energy(rules_.gas->species[s], p.rotation, p.levels));
       }
     }
   }

@@ -11,7 +11,7 @@
 
 namespace pamr::dsmc {
 
-/// A particle of a stream with random velocity and rotational energy; position, id and cell are not set. Local.
+/// A particle of a stream with random velocity, rotation and vibration; position, id and cell are not set. Local.
 Particle draw_particle(const Gas& gas, const Stream& stream, std::uint32_t species, Random& random);
 
 /// The particles that enter through boundary faces during a time step: with the condition inflow from a stream, of

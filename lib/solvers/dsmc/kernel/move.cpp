@@ -105,6 +105,7 @@ void Mover::complete(Particle& particle, Path& path) const {
   particle.id = particles_->id[path.row];
   particle.species = particles_->species[path.row];
   particle.partner = particles_->partner[path.row];
+  particle.levels = particles_->levels_of(path.row);
   path.row = Path::no_row;
 }
 
@@ -139,9 +140,9 @@ Mover::Exit Mover::drawn_exit(const CellPlanes& planes, const Flight& flight, un
 /// Adds the particle as it is now to what has passed a patch or, behind the patches, a plane.
 void Mover::count(std::size_t surface, FluxTally::Way way, const Particle& particle, const Path& path) const {
   if (flux_ == nullptr) return;
-  const bool is_complete = path.row == Path::no_row;
-  flux_->add(surface, way, is_complete ? particle.species : particles_->species[path.row], particle.velocity,
-             is_complete ? particle.rotation : particles_->rotation[path.row]);
+  auto [p, of] = std::pair(particle, path);
+  complete(p, of);
+  flux_->add(surface, way, p.species, p.velocity, internal_energy(gas_->species[p.species], p.rotation, p.levels));
 }
 
 void Mover::pass_planes(const Flight& flight, const Path& path, Vec3 end) const {
@@ -201,17 +202,17 @@ bool Mover::meets_boundary(Flight& flight, Path& path, std::size_t number, doubl
   const auto& species = gas_->species[p.species];
   Random random(seed_, Purpose::wall, p.id, step_, 8 * flight.events);
   ++flight.events;
-  const auto out = reflect(condition, species, face.normal, {p.velocity, p.rotation}, random);
+  const Motion in{p.velocity, p.rotation, p.levels};
+  const auto out = reflect(condition, species, face.normal, in, random);
   if (condition.is_wall()) {
     // Seen from the wall: what a moving wall works is no heat.
-    const double energy =
-        0.5 * species.mass *
-        (squared_norm(p.velocity - condition.velocity) - squared_norm(out.velocity - condition.velocity));
-    note_hit(number, (species.weight * species.mass) * (p.velocity - out.velocity),
-             species.weight * (energy + (p.rotation - out.rotation)));
+    const auto squared = [&](const Motion& m) { return squared_norm(m.velocity - condition.velocity); };
+    const double energy = 0.5 * species.mass * (squared(in) - squared(out));
+    note_hit(number, (species.weight * species.mass) * (in.velocity - out.velocity),
+             species.weight * (energy + (internal_energy(species, in) - internal_energy(species, out))));
   }
   p.velocity = out.velocity;
-  p.rotation = out.rotation;
+  p.rotation = out.rotation, p.levels = out.levels;
   count(at(face.patch), FluxTally::Way::in, p, path);
   return true;
 }
@@ -428,10 +429,9 @@ class OwnFlights {
       to.z[row] = p.position.z;
       to.cell[row] = p.cell;
       if (one.flight.events == 0) return;
-      to.u[row] = p.velocity.x;
-      to.v[row] = p.velocity.y;
-      to.w[row] = p.velocity.z;
+      to.u[row] = p.velocity.x, to.v[row] = p.velocity.y, to.w[row] = p.velocity.z;
       to.rotation[row] = p.rotation;
+      if (to.vibrate()) to.levels[row] = p.levels;
       return;
     }
     to.cell[row] = Particles::gone;

@@ -55,6 +55,7 @@ void gather(std::vector<double>& rows, std::vector<double>& spare, std::span<con
 std::size_t Particles::capacity() const {
   std::size_t least = id.capacity();
   for (const auto* values : {&x, &y, &z, &u, &v, &w, &rotation}) least = std::min(least, values->capacity());
+  if (vibrate_) least = std::min(least, levels.capacity());
   return std::min({least, cell.capacity(), species.capacity(), partner.capacity()});
 }
 
@@ -64,6 +65,7 @@ void Particles::reserve(std::size_t n) {
   grow_array(cell, n);
   grow_array(species, n);
   grow_array(partner, n);
+  if (vibrate_) grow_array(levels, n);
 }
 
 void Particles::append(const Particle& p) {
@@ -80,6 +82,7 @@ void Particles::append(const Particle& p) {
   cell.push_back(p.cell);
   species.push_back(p.species);
   partner.push_back(p.partner);
+  if (vibrate_) levels.push_back(p.levels);
 }
 
 void Particles::clear() {
@@ -88,6 +91,7 @@ void Particles::clear() {
   cell.clear();
   species.clear();
   partner.clear();
+  levels.clear();
 }
 
 /// Sorts the particles of a cell, `begin` to `end` of `order_`, by id; `spare_` has the bits of their ids, which makes
@@ -172,6 +176,11 @@ void Particles::sort_by_cell(LocalId n_cells) {
   take(partner, order_, cell);  // as spare memory
   partner.resize(n_here);
   for (std::size_t i = 0; i < n_here; ++i) partner[i] = static_cast<std::uint32_t>(cell[i]);
+  if (vibrate_) {
+    take(levels, order_, cell);
+    levels.resize(n_here);
+    for (std::size_t i = 0; i < n_here; ++i) levels[i] = static_cast<std::uint32_t>(cell[i]);
+  }
   take(species, order_, order_);  // the order is of no more use: its memory becomes the species
   order_.swap(species);
   for (std::size_t c = 0; c < n; ++c)
@@ -183,7 +192,8 @@ std::size_t Particles::bytes() const {
   for (const auto* values : {&x, &y, &z, &u, &v, &w, &rotation, &spare_}) sum += values->capacity() * sizeof(double);
   sum += id.capacity() * sizeof(std::uint64_t) + cell.capacity() * sizeof(LocalId);
   return sum +
-         (species.capacity() + partner.capacity() + begin_.capacity() + order_.capacity()) * sizeof(std::uint32_t) +
+         (species.capacity() + partner.capacity() + levels.capacity() + begin_.capacity() + order_.capacity()) *
+             sizeof(std::uint32_t) +
          new_.capacity() * sizeof(Row);
 }
 

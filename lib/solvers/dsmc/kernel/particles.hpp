@@ -22,13 +22,14 @@ struct Particle {
   LocalId cell = 0;
   std::uint32_t species = 0;
   std::uint32_t partner = 0;  ///< tag of its last collision partner; 0: none
+  std::uint32_t levels = 0;   ///< of its vibration, a word of `levels`
 };
 
 /// The value by which `Particle::partner` refers to a particle: the low 32 bits of its id, plus 1.
 inline std::uint32_t tag_of(std::uint64_t id) { return static_cast<std::uint32_t>(id) + 1; }
 
-/// A rank's particles as a structure of arrays: 76 bytes each, plus 12 for sorting. `cell` is `gone` for particles that
-/// have left; `sort_by_cell` removes them.
+/// A rank's particles as a structure of arrays: 76 bytes each, 80 with vibration, plus 12 for sorting. `cell` is `gone`
+/// for particles that have left; `sort_by_cell` removes them.
 class Particles {
  public:
   static constexpr LocalId gone = -1;
@@ -38,12 +39,18 @@ class Particles {
   std::vector<std::uint64_t> id;
   std::vector<LocalId> cell;
   std::vector<std::uint32_t> species, partner;
+  std::vector<std::uint32_t> levels;  ///< empty unless they vibrate
 
+  Particles() = default;
+  explicit Particles(bool vibrate) : vibrate_(vibrate) {}
+  /// Whether they have levels of vibration; without them all are on level 0.
+  bool vibrate() const { return vibrate_; }
+  std::uint32_t levels_of(std::size_t i) const { return vibrate_ ? levels[i] : 0; }
   std::size_t size() const { return x.size(); }
   Vec3 position(std::size_t i) const { return {x[i], y[i], z[i]}; }
   Vec3 velocity(std::size_t i) const { return {u[i], v[i], w[i]}; }
   Particle get(std::size_t i) const {
-    return {position(i), velocity(i), rotation[i], id[i], cell[i], species[i], partner[i]};
+    return {position(i), velocity(i), rotation[i], id[i], cell[i], species[i], partner[i], levels_of(i)};
   }
   /// Room for `n` in all. Without it arrays grow by a sixteenth at a time, and are copied each time.
   void reserve(std::size_t n);
@@ -68,6 +75,7 @@ class Particles {
   /// What all arrays have room for. Sorting exchanges their memory, so that one may have more than another.
   std::size_t capacity() const;
 
+  bool vibrate_ = false;
   std::vector<std::uint32_t> begin_;
   std::vector<std::uint32_t> order_;
   std::vector<double> spare_;

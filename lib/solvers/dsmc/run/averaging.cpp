@@ -133,6 +133,7 @@ void Averaging::end_interval(Flow& flow) {
   const auto temperatures = temperatures_of(contents, flow);
   row.t_tr = temperatures.translational;
   row.t_rot = temperatures.rotational;
+  row.t_vib = temperatures.vibrational;
   end_fluxes(flow, std::move(contents), row);
   state_.history.push_back(row);
   if (state_.sampling) {

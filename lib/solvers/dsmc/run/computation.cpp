@@ -30,8 +30,12 @@ OldFlow old_flow(Snapshot& snapshot, const Flow& flow, const std::string& name) 
   old.name = name;
   old.cells = std::move(snapshot.cells);
   old.particles = std::move(snapshot.particles);
-  for (const auto& species : flow.setup().gas.species) old.weights.push_back(species.weight);
+  for (const auto& species : flow.setup().gas.species) {
+    old.weights.push_back(species.weight);
+    old.vibration.push_back(species.vibration);
+  }
   old.is_weighted = flow.setup().gas.is_weighted;
+  old.is_vibrating = flow.setup().gas.is_vibrating;
   old.steps_done = snapshot.header["steps_done"];
   return old;
 }

@@ -24,7 +24,7 @@ int stream_named(const Case& c, const TomlTable& table, std::string_view key) {
   table.refuse(key, "the name of a table [stream.NAME]");
 }
 
-BoundaryCondition read_wall(const TomlTable& table, const std::string& kind) {
+BoundaryCondition read_wall(const TomlTable& table, const std::string& kind, const Gas& gas) {
   BoundaryCondition b;
   b.kind = kind == "cll" ? Kind::cll : Kind::diffuse;
   b.temperature = table.number("temperature", temperatures);
@@ -34,6 +34,9 @@ BoundaryCondition read_wall(const TomlTable& table, const std::string& kind) {
   b.normal_accommodation = table.number("normal_accommodation", {0, 1});
   b.tangential_accommodation = table.number("tangential_accommodation", {0, 1});
   b.rotational_accommodation = table.number_or("rotational_accommodation", 1, {0, 1});
+  if (!gas.is_vibrating && table.has("vibrational_accommodation"))
+    table.refuse("vibrational_accommodation", "no such key without vibration = true in [gas]");
+  b.vibrational_accommodation = table.number_or("vibrational_accommodation", 1, {0, 1});
   return b;
 }
 
@@ -78,7 +81,7 @@ void read_boundaries(const TomlTable& boundaries, Case& c) {
     const auto kind = table.word("kind", {"diffuse", "specular", "maxwell", "cll", "symmetry", "inflow", "outflow",
                                           "inlet", "outlet", "periodic"});
     BoundaryCondition b;
-    if (kind == "diffuse" || kind == "maxwell" || kind == "cll") b = read_wall(table, kind);
+    if (kind == "diffuse" || kind == "maxwell" || kind == "cll") b = read_wall(table, kind, c.gas);
     if (kind == "specular") b.kind = Kind::specular;
     if (kind == "symmetry") b.kind = Kind::symmetry;
     if (kind == "outflow") b.kind = Kind::outflow;

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "solvers/dsmc/run/flux_report.hpp"
+#include "solvers/dsmc/run/same_case.hpp"
 
 namespace pamr::dsmc {
 
@@ -66,13 +67,15 @@ json shown(const Reference& r, const Scale& scale) {
 }
 
 json shown(const Species& s) {
-  return {{"name", s.name},
-          {"mass", s.mass},
-          {"diameter", s.diameter},
-          {"omega", s.omega},
-          {"t_ref", s.t_ref},
-          {"alpha", s.alpha},
-          {"rotational_degrees", s.rotational_degrees}};
+  json species{{"name", s.name},
+               {"mass", s.mass},
+               {"diameter", s.diameter},
+               {"omega", s.omega},
+               {"t_ref", s.t_ref},
+               {"alpha", s.alpha},
+               {"rotational_degrees", s.rotational_degrees}};
+  if (!s.vibration.mode.empty()) species["vibration"] = facts_of(s.vibration);
+  return species;
 }
 
 }  // namespace

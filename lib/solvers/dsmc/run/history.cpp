@@ -20,6 +20,9 @@ std::string to_csv(const std::vector<HistoryRow>& history, double dt, const std:
   std::string text =
       "step,time,averaged,particles,entered_per_step,left_per_step,wall_hits_per_step,collisions_per_particle_step,"
       "crossings_per_particle_step,C_D,C_L,C_m,C_H,T_tr,T_rot";
+  const bool vibrates =
+      std::any_of(history.begin(), history.end(), [](const auto& row) { return row.t_vib.has_value(); });
+  if (vibrates) text += ",T_vib";
   for (const auto& surface : surfaces)
     for (const auto* quantity : quantities) text += "," + csv_field(surface + quantity);
   text += "\n";
@@ -32,6 +35,7 @@ std::string to_csv(const std::vector<HistoryRow>& history, double dt, const std:
                         static_cast<double>(row.wall_hits) / n, static_cast<double>(row.collisions) / all,
                         static_cast<double>(row.crossings) / all, row.body.drag, row.body.lift, row.body.moment,
                         row.body.heat, row.t_tr, row.t_rot);
+    if (vibrates) text += row.t_vib ? fmt::format(",{:.9g}", *row.t_vib) : ",";
     for (const auto& flux : row.fluxes)
       for (const double number : flux) text += fmt::format(",{:.9g}", number);
     if (row.fluxes.empty()) text.append(quantities.size() * surfaces.size(), ',');

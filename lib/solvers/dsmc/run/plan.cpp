@@ -20,7 +20,7 @@ using namespace geometry;
 
 namespace {
 
-constexpr double particle_bytes = 96, copy_bytes = 8 * particle_words;
+constexpr double bytes_per_particle = 96;
 constexpr double cell_bytes = 148 + 44 + 40 + 72 + 48;  ///< planes, mesh, collisions, samples, fields
 constexpr double typical_rate = 4e6;
 
@@ -28,6 +28,15 @@ std::string rotation_text(const Rotation& r) {
   if (r.model == Rotation::Model::probability) return fmt::format("probability {:g} a molecule", r.value);
   if (r.model == Rotation::Model::z_continuum) return fmt::format("continuum relaxation number {:g}", r.value);
   return fmt::format("relaxation number of Parker, Z_inf {:g}, T* {:g} K", r.z_infinity, r.t_star);
+}
+
+std::string vibration_text(const Species& s) {
+  std::string modes;
+  for (const double theta : s.vibration.mode) modes += fmt::format("{}{:g}", modes.empty() ? "" : ", ", theta);
+  auto text = fmt::format("vibration of {}: modes of {} K, relaxes in {:g} T^-{:g} exp({:g} T^(-1/3)) collisions",
+                          s.name, modes, s.vibration.c1, s.omega, s.vibration.c2);
+  if (s.vibration.cross_section > 0) text += fmt::format(" (limit: {:g} m2 at 50,000 K)", s.vibration.cross_section);
+  return text;
 }
 
 /// The last patch of the body that moves out of its plane; -1: none. Collective.
@@ -54,10 +63,11 @@ Plan make_plan(const par::Comm& comm, const Case& c, const Setup& setup, const m
   const auto mean = mean_species(gas);
   const double speed = norm(free.velocity);
   const double fast = speed + most_probable_speed(free.temperature, mean.mass);
-  plan.mach = speed / std::sqrt(gas.heat_ratio() * boltzmann * free.temperature / mean.mass);
+  plan.mach = speed / std::sqrt(gas.heat_ratio(free.temperature) * boltzmann * free.temperature / mean.mass);
   plan.speed_ratio = speed / most_probable_speed(free.temperature, mean.mass);
-  const double total = free.temperature * (1 + 0.5 * (gas.heat_ratio() - 1) * plan.mach * plan.mach);
-  if (c.collisions.enabled && lacks_vibration(gas, total)) plan.hot_total = total;
+  const double total = free.temperature * (1 + 0.5 * (gas.heat_ratio(free.temperature) - 1) * plan.mach * plan.mach);
+  if (c.collisions.enabled && is_hot(gas, total)) plan.hot_total = total;
+  plan.missing_when_hot = missing_when_hot(gas);
   if (free.density > 0) {
     plan.mean_free_path = mean_free_path(mean, free.density, free.temperature);
     plan.collision_time = 1 / collision_frequency(mean, free.density, free.temperature);
@@ -75,7 +85,9 @@ Plan make_plan(const par::Comm& comm, const Case& c, const Setup& setup, const m
   const double cells = static_cast<double>(mesh.info.n_global_cells);
   plan.particles_per_cell = plan.particles / cells;
   if (from) plan.particles_at_start = static_cast<double>(from->n_particles) * from->fnum / setup.fnum;
-  plan.particle_bytes = particle_bytes + (checkpoints.are_written || c.adaptation.every > 0 ? copy_bytes : 0);
+  const double copy_bytes = 8.0 * static_cast<double>(particle_words(gas.is_vibrating));
+  plan.particle_bytes = bytes_per_particle + (gas.is_vibrating ? 4 : 0) +
+                        (checkpoints.are_written || c.adaptation.every > 0 ? copy_bytes : 0);
   plan.bytes = plan.max_particles() * plan.particle_bytes + cells * cell_bytes;
   plan.steps = static_cast<double>(c.schedule.sampling + c.schedule.transient.value_or(0));
   plan.cpu_seconds = plan.max_particles() * plan.steps / typical_rate;
@@ -108,8 +120,8 @@ std::vector<std::string> warnings_of(const Plan& plan) {
     warnings.push_back(fmt::format("{:.2g} particles a cell in the free stream: below 5 collisions are poorly resolved",
                                    plan.particles_per_cell));
   if (plan.hot_total)
-    warnings.push_back(
-        fmt::format("the total temperature of the free stream is {:.0f} K: {}", *plan.hot_total, without_vibration));
+    warnings.push_back(fmt::format("the total temperature of the free stream is {:.0f} K: {}", *plan.hot_total,
+                                   plan.missing_when_hot));
   return warnings;
 }
 
@@ -125,6 +137,8 @@ std::vector<std::string> describe(const Case& c, const Setup& setup, const Plan&
     if (c.gas.is_weighted) lines.back() += fmt::format(", weight {:g}", s.weight);
   }
   lines.push_back("rotation: " + rotation_text(c.gas.rotation));
+  for (const auto& s : c.gas.species)
+    if (!s.vibration.mode.empty()) lines.push_back(vibration_text(s));
   const auto& free = c.stream.front();
   lines.push_back(fmt::format("free stream: n {:g} 1/m3, T {:g} K, T_rot {:g} K, u ({:g}, {:g}, {:g}) m/s",
                               free.density, free.temperature, free.rotational_temperature, free.velocity.x,

@@ -25,8 +25,10 @@ using nlohmann::json;
 json facts_of(const Vec3& v) { return {v.x, v.y, v.z}; }
 
 json facts_of(const Species& s) {
-  return {{"mass", s.mass},   {"diameter", s.diameter}, {"omega", s.omega},
-          {"t_ref", s.t_ref}, {"alpha", s.alpha},       {"rotational_degrees", s.rotational_degrees}};
+  json facts{{"mass", s.mass},   {"diameter", s.diameter}, {"omega", s.omega},
+             {"t_ref", s.t_ref}, {"alpha", s.alpha},       {"rotational_degrees", s.rotational_degrees}};
+  if (!s.vibration.mode.empty()) facts["vibration"] = facts_of(s.vibration);
+  return facts;
 }
 
 json facts_of(const Rotation& r) {
@@ -48,11 +50,13 @@ json by_species(const Gas& gas, const std::vector<double>& values) {
 }
 
 json facts_of(const Stream& s, const Gas& gas) {
-  return {{"density", s.density},
-          {"temperature", s.temperature},
-          {"rotational_temperature", s.rotational_temperature},
-          {"velocity", facts_of(s.velocity)},
-          {"fractions", by_species(gas, s.fraction)}};
+  json facts{{"density", s.density},
+             {"temperature", s.temperature},
+             {"rotational_temperature", s.rotational_temperature},
+             {"velocity", facts_of(s.velocity)},
+             {"fractions", by_species(gas, s.fraction)}};
+  if (gas.is_vibrating) facts["vibrational_temperature"] = s.vibrational_temperature;
+  return facts;
 }
 
 std::string name_of(const std::vector<Stream>& streams, int stream) {
@@ -84,13 +88,16 @@ json facts_of(const BoundaryCondition& b, const Setup& setup, const std::vector<
               {"temperature", b.temperature},
               {"velocity", facts_of(b.velocity)},
               {"accommodation", b.accommodation}};
-    case Kind::cll:
-      return {{"kind", "cll"},
-              {"temperature", b.temperature},
-              {"velocity", facts_of(b.velocity)},
-              {"normal_accommodation", b.normal_accommodation},
-              {"tangential_accommodation", b.tangential_accommodation},
-              {"rotational_accommodation", b.rotational_accommodation}};
+    case Kind::cll: {
+      json facts{{"kind", "cll"},
+                 {"temperature", b.temperature},
+                 {"velocity", facts_of(b.velocity)},
+                 {"normal_accommodation", b.normal_accommodation},
+                 {"tangential_accommodation", b.tangential_accommodation},
+                 {"rotational_accommodation", b.rotational_accommodation}};
+      if (setup.gas.is_vibrating) facts["vibrational_accommodation"] = b.vibrational_accommodation;
+      return facts;
+    }
   }
   return {};
 }
@@ -190,6 +197,10 @@ void add_differences(const json& before, const json& now, const std::string& nam
 }
 
 }  // namespace
+
+json facts_of(const Vibration& v) {
+  return {{"temperatures", v.mode}, {"c1", v.c1}, {"c2", v.c2}, {"cross_section", v.cross_section}};
+}
 
 json facts_of(const par::Comm& comm, const Case& c, const Setup& setup, const mesh::DistMesh& mesh) {
   const auto& patches = setup.patches_on(mesh);

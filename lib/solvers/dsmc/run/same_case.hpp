@@ -17,6 +17,9 @@ namespace pamr::dsmc {
 /// reduction.
 nlohmann::json facts_of(const par::Comm& comm, const Case& the_case, const Setup& setup, const mesh::DistMesh& mesh);
 
+/// What a case file says of a species' vibration, each mode of a degenerate one by itself. Local.
+nlohmann::json facts_of(const Vibration& vibration);
+
 /// Throws `Error` with the name and both values of each fact that differs unless a checkpoint with this header is one
 /// of the case that has these facts. Local.
 void require_same_case(const nlohmann::json& header, const nlohmann::json& facts);

@@ -19,9 +19,26 @@ struct CellState {
   double weights = 0;  ///< the same, each times its species' weight
   double mass = 0;     ///< kg, of a molecule times its weight, summed alike
   Vec3 velocity;
-  double t_tr = 0, t_rot = 0, t = 0;
-  double degrees = 3;
+  double t_tr = 0, t_rot = 0, t_vib = 0, t = 0;
+  double degrees = 3;         ///< of motion and rotation
+  double vibrating_heat = 0;  ///< of vibration at `t_vib`, over Boltzmann's constant, a molecule
 };
+
+/// Adds vibration: a degree of freedom has k T / 2 of its energy at its temperature.
+void add_vibration(const Gas& gas, const CellSums* sums, CellState& cell) {
+  std::vector<double> n;
+  double energy = 0;
+  for (std::size_t s = 0; s < gas.species.size(); ++s) {
+    n.push_back(gas.species[s].weight * sums[s].n);
+    energy += gas.species[s].weight * sums[s].vibration;
+  }
+  cell.t_vib = temperature_of_vibration(gas.vibrations(), n, energy);
+  if (!(cell.t_vib > 0)) return;
+  for (std::size_t s = 0; s < n.size(); ++s)
+    cell.vibrating_heat += n[s] / cell.weights * vibrational_heat(gas.species[s].vibration, cell.t_vib);
+  const double degrees = 2 * energy / (cell.t_vib * cell.weights);
+  cell.t = (cell.degrees * cell.t + degrees * cell.t_vib) / (cell.degrees + degrees);
+}
 
 CellState state_of(const Gas& gas, const CellSums* sums) {
   CellState cell;
@@ -45,6 +62,7 @@ CellState state_of(const Gas& gas, const CellSums* sums) {
   const double mean_rotational = rotational_degrees / cell.weights;
   cell.degrees = 3 + mean_rotational;
   cell.t = (3 * cell.t_tr + mean_rotational * cell.t_rot) / cell.degrees;
+  if (gas.is_vibrating) add_vibration(gas, sums, cell);
   return cell;
 }
 
@@ -57,14 +75,15 @@ Species mean_of_cell(const Gas& gas, const CellSums* sums, double weights) {
 
 constexpr double never = 1e30;  ///< mean free path and collision time where there is no gas
 
-CellFlow empty_flow(std::size_t n_cells, std::size_t n_species) {
+CellFlow empty_flow(std::size_t n_cells, const Gas& gas) {
   CellFlow flow;
   for (auto* values : {&flow.density, &flow.mass_density, &flow.t_tr, &flow.t_rot, &flow.t, &flow.mach, &flow.particles,
                        &flow.density_error, &flow.collision_probability, &flow.separation})
     values->resize(n_cells, 0.0);
   for (auto* values : {&flow.collision_time, &flow.mean_free_path, &flow.knudsen}) values->resize(n_cells, never);
   flow.velocity.resize(3 * n_cells, 0.0);
-  flow.species_density.assign(n_species, std::vector<double>(n_cells, 0.0));
+  flow.species_density.assign(gas.species.size(), std::vector<double>(n_cells, 0.0));
+  if (gas.is_vibrating) flow.t_vib.resize(n_cells, 0.0);
   return flow;
 }
 
@@ -82,7 +101,7 @@ double density_error(const CellSamples& samples, std::size_t c, double weights, 
 CellFlow average_cells(const GasDomain& domain, const Gas& gas, const CellSamples& samples,
                        const std::vector<CellCollisions>& collisions, double unit) {
   const auto n_cells = domain.volume.size(), n_species = gas.species.size();
-  auto flow = empty_flow(n_cells, n_species);
+  auto flow = empty_flow(n_cells, gas);
   const double steps = static_cast<double>(std::max<std::int64_t>(1, samples.steps));
   for (std::size_t c = 0; c < n_cells; ++c) {
     const auto* sums = samples.sums.data() + c * n_species;
@@ -100,10 +119,11 @@ CellFlow average_cells(const GasDomain& domain, const Gas& gas, const CellSample
     flow.velocity[3 * c + 2] = cell.velocity.z;
     flow.t_tr[c] = cell.t_tr;
     flow.t_rot[c] = cell.t_rot;
+    if (gas.is_vibrating) flow.t_vib[c] = cell.t_vib;
     flow.t[c] = cell.t;
     if (!(cell.t_tr > 0)) continue;
     const auto mean = mean_of_cell(gas, sums, cell.weights);
-    const double gamma = (cell.degrees + 2) / cell.degrees;
+    const double degrees = cell.degrees + 2 * cell.vibrating_heat, gamma = (degrees + 2) / degrees;
     const double free_path = mean_free_path(mean, flow.density[c], cell.t_tr);
     flow.mach[c] = norm(cell.velocity) / std::sqrt(gamma * boltzmann * std::max(cell.t, 1e-3) / mean.mass);
     flow.mean_free_path[c] = free_path / unit;
@@ -126,6 +146,7 @@ std::vector<mesh::CellField> to_fields(CellFlow flow, const Gas& gas) {
   add("u", "m/s", flow.velocity, 3);
   add("T_tr", "K", flow.t_tr);
   add("T_rot", "K", flow.t_rot);
+  if (gas.is_vibrating) add("T_vib", "K", flow.t_vib);
   add("T", "K", flow.t);
   add("Ma", "1", flow.mach);
   add("tau_c", "s", flow.collision_time);

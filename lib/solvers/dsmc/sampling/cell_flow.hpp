@@ -17,7 +17,8 @@ struct CellFlow {
   std::vector<double> density;         ///< 1/m3
   std::vector<double> mass_density;    ///< kg/m3
   std::vector<double> velocity;        ///< m/s, three components per cell
-  std::vector<double> t_tr, t_rot, t;  ///< K: translational, rotational, of both together
+  std::vector<double> t_tr, t_rot, t;  ///< K: translational, rotational, of all together
+  std::vector<double> t_vib;           ///< K, vibrational; empty: nothing vibrates
   std::vector<double> mach;
   std::vector<double> collision_time;         ///< s
   std::vector<double> mean_free_path;         ///< in the mesh's length unit

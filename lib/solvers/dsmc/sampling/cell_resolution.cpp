@@ -62,8 +62,9 @@ std::vector<std::string> warnings_of(const CellResolution& resolution, const Gas
         fmt::format("{:.0f} % of the {:.0f} cells denser than the free stream have fewer than 5 particles: use "
                     "more particles or fewer cells",
                     100 * resolution.few_in_dense_gas, resolution.cells_of_dense_gas));
-  if (gas != nullptr && lacks_vibration(*gas, resolution.max_temperature))
-    warnings.push_back(fmt::format("the hottest cell has {:.0f} K: {}", resolution.max_temperature, without_vibration));
+  if (gas != nullptr && is_hot(*gas, resolution.max_temperature))
+    warnings.push_back(
+        fmt::format("the hottest cell has {:.0f} K: {}", resolution.max_temperature, missing_when_hot(*gas)));
   return warnings;
 }
 

@@ -29,12 +29,14 @@ void CellSamples::add(const Particles& p, const Gas& gas) {
         here.velocity = here.velocity + v;
         here.square += squared_norm(v);
         here.rotation += p.rotation[i];
+        if (gas.is_vibrating) here.vibration += vibrational_energy(gas.species[0].vibration, p.levels[i]);
       }
       auto& sum = sums[c];
       sum.n += last - first;
       sum.velocity = sum.velocity + here.velocity;
       sum.square += here.square;
       sum.rotation += here.rotation;
+      sum.vibration += here.vibration;
       continue;
     }
     for (auto i = first; i < last; ++i) {
@@ -44,6 +46,7 @@ void CellSamples::add(const Particles& p, const Gas& gas) {
       sum.velocity = sum.velocity + v;
       sum.square += squared_norm(v);
       sum.rotation += p.rotation[i];
+      if (gas.is_vibrating) sum.vibration += vibrational_energy(gas.species[p.species[i]].vibration, p.levels[i]);
       if (gas.is_weighted) block[c] += gas.species[p.species[i]].weight;
     }
   }

@@ -12,9 +12,10 @@ namespace pamr::dsmc {
 /// Sums over the particles of one species in a cell and over the sampled steps.
 struct CellSums {
   double n = 0;
-  Vec3 velocity;        ///< m/s
-  double square = 0;    ///< of the speed, m2/s2
-  double rotation = 0;  ///< J
+  Vec3 velocity;         ///< m/s
+  double square = 0;     ///< of the speed, m2/s2
+  double rotation = 0;   ///< J
+  double vibration = 0;  ///< K: over Boltzmann's constant
 };
 
 /// Samples of the flow in the cells. A cell's sums are taken in the order of its particles' ids, so they do not depend

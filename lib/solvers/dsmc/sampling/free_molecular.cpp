@@ -34,6 +34,7 @@ struct Incident {
   Vec3 along;                                               ///< m/s, mean velocity in the face's plane
   double pressure = 0;                                      ///< Pa, of the normal momentum
   double normal_energy = 0, flat_energy = 0, rotation = 0;  ///< W/m2
+  double vibration = 0;                                     ///< W/m2
   double density = 0, speed = 0, speed_ratio = 0;           ///< 1/m3; m/s, most probable; of the normal velocity
 };
 
@@ -53,6 +54,7 @@ Incident incident_on(const BoundaryCondition& wall, Vec3 normal, const Species& 
   in.normal_energy = 0.5 * in.mass * in.density * c * c * c * passing.energy;
   in.flat_energy = 0.5 * in.mass * in.molecules * (squared_norm(in.along) + c * c);
   in.rotation = 0.5 * species.rotational_degrees * boltzmann * stream.rotational_temperature * in.molecules;
+  in.vibration = boltzmann * mean_vibrational_energy(species.vibration, stream.vibrational_temperature) * in.molecules;
   return in;
 }
 
@@ -93,16 +95,19 @@ Effect effect_on(const BoundaryCondition& wall, const Species& species, const In
   const double c = most_probable_speed(wall.temperature, species.mass);
   const double emitted = boltzmann * wall.temperature * in.molecules;  // energy of one direction's motion
   const double rotation = 0.5 * species.rotational_degrees * emitted;
+  const double vibration = boltzmann * mean_vibrational_energy(species.vibration, wall.temperature) * in.molecules;
   const Vec3 flat = (in.mass * in.molecules) * in.along;
   if (wall.kind == Kind::diffuse) {
     const double a = wall.accommodation;
-    return {(1 - a) * in.pressure + a * in.mass * in.molecules * 0.5 * root_pi * c, a * flat,
-            a * (in.normal_energy + in.flat_energy - 2 * emitted + in.rotation - rotation)};
+    return {
+        (1 - a) * in.pressure + a * in.mass * in.molecules * 0.5 * root_pi * c, a * flat,
+        a * (in.normal_energy + in.flat_energy - 2 * emitted + in.rotation - rotation + (in.vibration - vibration))};
   }
   const double normal = wall.normal_accommodation, sigma = wall.tangential_accommodation;
   return {in.mass * in.density * in.speed * c * leaving_speed(in.speed_ratio, in.speed / c, normal), sigma * flat,
           normal * (in.normal_energy - emitted) + sigma * (2 - sigma) * (in.flat_energy - emitted) +
-              wall.rotational_accommodation * (in.rotation - rotation)};
+              wall.rotational_accommodation * (in.rotation - rotation) +
+              wall.vibrational_accommodation * (in.vibration - vibration)};
 }
 
 }  // namespace

@@ -16,6 +16,7 @@ std::array<WideSum, 4> conserved(const GasContents& contents) {
   auto energy = contents.translation;
   energy += contents.rotation;
   energy += contents.deficit;
+  if (contents.vibration) energy += *contents.vibration;
   return {contents.momentum[0], contents.momentum[1], contents.momentum[2], energy};
 }
 

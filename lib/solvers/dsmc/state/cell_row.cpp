@@ -5,7 +5,7 @@
 
 namespace pamr::dsmc {
 
-CellColumns columns_of(const Gas& gas) { return {gas.species.size(), gas.is_weighted}; }
+CellColumns columns_of(const Gas& gas) { return {gas.species.size(), gas.is_weighted, gas.is_vibrating}; }
 
 CellRow row_of(const Flow& flow, std::size_t cell) {
   const auto begin = flow.particles.begin();
@@ -28,10 +28,14 @@ void append(const CellRow& row, const CellColumns& columns, std::vector<std::uin
   const auto& [max_sigma_cr, remainder, temperature, separation, n_collisions, energy_deficit] = collisions;
   words.insert(words.end(), {word(particles), word(max_sigma_cr), word(remainder), word(temperature), word(separation),
                              word(n_collisions), word(block), word(square_of_blocks), word(volume), word(fnum)});
-  for (const auto& [n, velocity, square, rotation] : sums)
+  std::vector<std::uint64_t> vibrations;
+  for (const auto& [n, velocity, square, rotation, vibration] : sums) {
     words.insert(words.end(),
                  {word(n), word(velocity.x), word(velocity.y), word(velocity.z), word(square), word(rotation)});
+    if (columns.is_vibrating) vibrations.push_back(word(vibration));
+  }
   if (columns.is_weighted) words.push_back(word(energy_deficit));
+  words.insert(words.end(), vibrations.begin(), vibrations.end());
 }
 
 CellRow cell_row(const std::uint64_t* w, const CellColumns& columns) {
@@ -45,7 +49,11 @@ CellRow cell_row(const std::uint64_t* w, const CellColumns& columns) {
               {}};
   for (std::size_t s = 0; s < columns.n_species; ++s) {
     const auto* v = w + CellColumns::sums + s * CellColumns::words_of_sums;
-    row.sums.push_back({real(v[0]), {real(v[1]), real(v[2]), real(v[3])}, real(v[4]), real(v[5])});
+    row.sums.push_back({real(v[0]),
+                        {real(v[1]), real(v[2]), real(v[3])},
+                        real(v[4]),
+                        real(v[5]),
+                        columns.is_vibrating ? real(w[columns.vibration() + s]) : 0});
   }
   return row;
 }

@@ -13,7 +13,8 @@ namespace pamr::dsmc {
 /// All that a cell carries from one step to the next: through checkpoints, to other ranks, and to the cells of an
 /// adapted mesh. In a table of cells (`Section`) it is one row: particles, (sigma c_r)_max, remainder, temperature,
 /// separation, collisions, block, squares of blocks, volume, F_num, for each species the sums of n, velocity, square
-/// and rotation, and in a gas with species of different weights the energy deficit.
+/// and rotation, in a gas with species of different weights the energy deficit, and in one that vibrates for each species
+/// the sum of vibration.
 struct CellRow {
   std::int64_t particles = 0;
   CellCollisions collisions;
@@ -27,10 +28,12 @@ struct CellRow {
 struct CellColumns {
   std::size_t n_species = 1;
   bool is_weighted = false;
+  bool is_vibrating = false;
 
   static constexpr std::size_t volume = 8, fnum = 9, sums = 10, words_of_sums = 6;
   std::size_t deficit() const { return sums + words_of_sums * n_species; }
-  std::size_t width() const { return deficit() + (is_weighted ? 1 : 0); }
+  std::size_t vibration() const { return deficit() + (is_weighted ? 1 : 0); }
+  std::size_t width() const { return vibration() + (is_vibrating ? n_species : 0); }
 };
 CellColumns columns_of(const Gas& gas);
 

@@ -57,17 +57,18 @@ Section particle_section(const par::Comm& comm, GlobalId n_cells, const Flow& fl
   const auto numbering =
       number_along_cells(comm, n_cells, flow.domain().cell_global, particles_of_cells(flow.particles));
   const auto& p = flow.particles;
-  Section section{"particles", numbering.total, particle_words, {}};
+  Section section{"particles", numbering.total, particle_words(p.vibrate()), {}};
   const auto mine = par::block_range(numbering.total, comm.rank(), comm.size());
-  section.block.resize(static_cast<std::size_t>(mine.count()) * particle_words);
+  section.block.resize(static_cast<std::size_t>(mine.count()) * section.width);
   par::in_rounds(comm, p.size(), particles_of_round, [&](std::size_t begin, std::size_t end) {
     Words words;
-    words.reserve(particle_words * (end - begin));
+    words.reserve(section.width * (end - begin));
     std::vector<GlobalId> rows;
     rows.reserve(end - begin);
     for (auto i = begin; i < end; ++i) {
       words.insert(words.end(), {p.id[i], p.species[i] | std::uint64_t{p.partner[i]} << 32U, word(p.x[i]), word(p.y[i]),
                                  word(p.z[i]), word(p.u[i]), word(p.v[i]), word(p.w[i]), word(p.rotation[i])});
+      if (p.vibrate()) words.push_back(p.levels[i]);
       const auto cell = at(p.cell[i]);
       rows.push_back(numbering.first[cell] + static_cast<GlobalId>(i - p.begin()[cell]));
     }
@@ -116,6 +117,8 @@ nlohmann::json setup_of(const Flow& flow) {
       {"species", species_list(flow)}, {"dt", setup.dt}, {"molecules", setup.fnum}, {"unit", setup.unit}};
   if (setup.gas.is_weighted)
     for (const auto& s : setup.gas.species) shown["weights"].push_back(s.weight);
+  if (setup.gas.is_vibrating)
+    for (const auto& s : setup.gas.species) shown["vibration"].push_back(s.vibration.mode);
   return shown;
 }
 
@@ -143,9 +146,9 @@ void restore_particles(const par::Comm& comm, const Section& section, GlobalId n
     const auto places = order.take(end - begin);
     std::vector<GlobalId> rows;
     for (const auto& place : places) rows.push_back(numbering.first[place.cell] + place.in_cell);
-    const auto words = par::fetch_rows<std::uint64_t>(comm, section.rows, section.block, particle_words, rows);
+    const auto words = par::fetch_rows<std::uint64_t>(comm, section.rows, section.block, section.width, rows);
     for (std::size_t i = 0; i < rows.size(); ++i) {
-      auto p = particle_from(words.data() + i * particle_words);
+      auto p = particle_from(words.data() + i * section.width, flow.particles.vibrate());
       p.cell = static_cast<LocalId>(places[i].cell);
       flow.particles.append(p);
     }
@@ -272,7 +275,8 @@ RunState restore(const par::Comm& comm, const Snapshot& snapshot, Flow& flow) {
 }
 
 void write_checkpoint(const par::Comm& comm, const std::string& file, const Snapshot& snapshot) {
-  write_sections(comm, file, snapshot.header, {&snapshot.cells, &snapshot.faces, &snapshot.particles});
+  write_sections(comm, file, snapshot.header, {&snapshot.cells, &snapshot.faces, &snapshot.particles},
+                 member(snapshot.header, "setup").contains("vibration") ? 2 : 1);
 }
 
 std::optional<std::uint64_t> begun_on(const nlohmann::json& header) {
@@ -305,7 +309,7 @@ std::vector<std::string> files_in_checkpoint(const std::string& file) {
 
 Snapshot read_checkpoint(const SectionFile& file, const Gas& gas) {
   return {file.header(), file.read("cells", columns_of(gas).width()), file.read("faces", face_words),
-          file.read("particles", particle_words)};
+          file.read("particles", particle_words(gas.is_vibrating))};
 }
 
 }  // namespace pamr::dsmc

@@ -14,8 +14,9 @@
 /// The rows of a checkpoint's tables (docs/tools/pamr-dsmc.md).
 namespace pamr::dsmc {
 
-/// particles: id, species (low half) and last partner (high half), position, velocity, rotational energy.
-inline constexpr std::size_t particle_words = 9;
+/// particles: id, species (low half) and last partner (high half), position, velocity, rotational energy, and in a gas
+/// that vibrates the levels.
+constexpr std::size_t particle_words(bool is_vibrating) { return is_vibrating ? 10 : 9; }
 /// Particles that a rank sends at a time.
 inline constexpr std::size_t particles_of_round = std::size_t{1} << 14U;
 
@@ -27,7 +28,7 @@ inline std::int64_t integer(std::uint64_t bits) { return std::bit_cast<std::int6
 inline std::uint32_t species_of(const std::uint64_t* row) { return static_cast<std::uint32_t>(row[1]); }
 
 /// A particle from its row, its cell not set.
-inline Particle particle_from(const std::uint64_t* row) {
+inline Particle particle_from(const std::uint64_t* row, bool is_vibrating) {
   Particle p;
   p.id = row[0];
   p.species = species_of(row);
@@ -35,6 +36,7 @@ inline Particle particle_from(const std::uint64_t* row) {
   p.position = {real(row[2]), real(row[3]), real(row[4])};
   p.velocity = {real(row[5]), real(row[6]), real(row[7])};
   p.rotation = real(row[8]);
+  if (is_vibrating) p.levels = static_cast<std::uint32_t>(row[9]);
   return p;
 }
 

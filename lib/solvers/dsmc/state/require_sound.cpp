@@ -44,6 +44,15 @@ class Row {
       refuse(name, fmt::format("a length of at most {:g}", longest),
              fmt::format("({:g}, {:g}, {:g})", value.x, value.y, value.z));
   }
+  /// Of a particle whose species is known.
+  void levels(std::size_t word, const SoundRange& range) const {
+    const auto& vibration = range.vibration[species_of(words_)];
+    const auto value =
+        static_cast<std::uint32_t>(integer(word, 0, std::numeric_limits<std::uint32_t>::max(), "levels"));
+    const bool fits =
+        vibration.mode.empty() ? value == 0 : boltzmann * vibrational_energy(vibration, value) <= range.max_rotation;
+    if (!fits) refuse("levels", "those of its modes", fmt::format("{:x}", value));
+  }
   void species(std::size_t n) const {
     const auto value = species_of(words_);
     if (value >= n) refuse("a species", fmt::format("0 to {}", n - 1), fmt::format("{}", value));
@@ -91,11 +100,13 @@ void check_cell(const Row& row, const SoundRange& range) {
   row.real(7, 0, most * most, "the squares of its blocks");
   row.real(CellColumns::volume, smallest, max_place * max_place * max_place, "its volume");
   row.real(CellColumns::fnum, smallest, 1e80, "molecules a particle");
-  const CellColumns columns{range.n_species, range.is_weighted};
+  const CellColumns columns{range.n_species, range.is_weighted, range.is_vibrating};
   for (std::size_t s = 0; s < range.n_species; ++s)
     check_sums(row, CellColumns::sums + s * CellColumns::words_of_sums, range);
   if (range.is_weighted)
     row.real(columns.deficit(), -most * range.max_rotation, most * range.max_rotation, "its energy deficit");
+  for (std::size_t s = 0; range.is_vibrating && s < range.n_species; ++s)
+    row.real(columns.vibration() + s, 0, most * (range.max_rotation / boltzmann), "the sum of vibrational energies");
 }
 
 void check_face(const Row& row) {
@@ -111,8 +122,9 @@ void check_face(const Row& row) {
 
 SoundRange sound_range(const Flow& flow) {
   const auto& gas = flow.setup().gas;
-  SoundRange range{gas.species.size(), gas.is_weighted, 0, 0, 0};
+  SoundRange range{gas.species.size(), gas.is_weighted, gas.is_vibrating, {}, 0, 0, 0};
   range.max_speed = 1000 * (flow.surface.energy_unit / flow.surface.momentum_unit);
+  for (const auto& species : gas.species) range.vibration.push_back(species.vibration);
   for (const auto& species : gas.species)
     range.max_rotation = std::max(range.max_rotation, species.mass * range.max_speed * range.max_speed);
   for (const auto& pair : gas.pairs)
@@ -140,6 +152,7 @@ void require_sound_particles(const par::Comm& comm, const std::string& file, con
     row.vector(2, 2 * max_place, "a position");
     row.vector(5, range.max_speed, "a velocity");
     row.real(8, 0, range.max_rotation, "a rotational energy");
+    if (range.is_vibrating) row.levels(9, range);
   });
 }
 

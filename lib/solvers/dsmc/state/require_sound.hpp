@@ -16,9 +16,11 @@ namespace pamr::dsmc {
 struct SoundRange {
   std::size_t n_species = 0;
   bool is_weighted = false;
-  double max_speed = 0;     ///< m/s: a thousand times what hits on walls are measured by
-  double max_rotation = 0;  ///< J
-  double max_sigma_cr = 0;  ///< m3/s: of two particles of that speed
+  bool is_vibrating = false;
+  std::vector<Vibration> vibration;  ///< of each species
+  double max_speed = 0;              ///< m/s: a thousand times what hits on walls are measured by
+  double max_rotation = 0;           ///< J, of vibration too
+  double max_sigma_cr = 0;           ///< m3/s: of two particles of that speed
 };
 SoundRange sound_range(const Flow& flow);
 

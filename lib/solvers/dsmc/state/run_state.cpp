@@ -32,13 +32,14 @@ Begun begun_from(const json& value) {
   throw Error(fmt::format("checkpoint: expected a word for why averages began, found \"{}\"", short_text(value)));
 }
 
-constexpr std::size_t history_numbers = 15;  ///< of a row, then those of the surfaces
+constexpr std::size_t history_numbers = 15;  ///< of a row, then those of the surfaces and of vibration
 
 json row_to_json(const HistoryRow& r) {
   auto row = json::array({r.step, r.sampled, r.n_steps, r.particles, r.entered, r.left, r.wall_hits, r.collisions,
                           r.crossings, r.body.drag, r.body.lift, r.body.moment, r.body.heat, r.t_tr, r.t_rot});
   for (const auto& flux : r.fluxes)
     for (const double number : flux) row.push_back(number);
+  if (r.t_vib) row.push_back(*r.t_vib);
   return row;
 }
 
@@ -52,9 +53,12 @@ std::vector<NetFlux> fluxes_from(const json& row, std::size_t n_surfaces) {
 
 HistoryRow row_from(const json& value, const RunExtent& extent) {
   const auto steps_done = extent.steps_done;
-  const bool is_old = value.is_array() && value.size() == history_numbers;
-  const auto& j = array_of(value, "a row of the history",
-                           is_old ? history_numbers : history_numbers + NetFlux{}.size() * extent.n_surfaces);
+  const auto n_fluxes = NetFlux{}.size() * extent.n_surfaces;
+  const auto size = value.is_array() ? value.size() : 0;
+  const bool vibrates = size == history_numbers + 1 || size == history_numbers + n_fluxes + 1;
+  const bool is_old = size == history_numbers + (vibrates ? 1 : 0);
+  const auto& j =
+      array_of(value, "a row of the history", history_numbers + (is_old ? 0 : n_fluxes) + (vibrates ? 1 : 0));
   const auto count = [&](std::size_t i) { return count_of(j[i], fmt::format("number {} of the history", i)); };
   const auto number = [&](std::size_t i) { return number_of(j[i], fmt::format("number {} of the history", i)); };
   return {static_cast<std::uint64_t>(count_of(j[0], "step of the history", static_cast<std::int64_t>(steps_done))),
@@ -69,7 +73,8 @@ HistoryRow row_from(const json& value, const RunExtent& extent) {
           {number(9), number(10), number(11), number(12)},
           number(13),
           number(14),
-          is_old ? std::vector<NetFlux>{} : fluxes_from(j, extent.n_surfaces)};
+          is_old ? std::vector<NetFlux>{} : fluxes_from(j, extent.n_surfaces),
+          vibrates ? std::optional(number(size - 1)) : std::nullopt};
 }
 
 json load_to_json(const Load& l) {
@@ -114,6 +119,8 @@ json to_json(const GasContents& c) {
     sums.push_back(sum.low);
     sums.push_back(sum.high);
   }
+  if (c.vibration)
+    for (const auto word : {c.vibration->low, c.vibration->high}) sums.push_back(word);
   return {{"particles", c.n}, {"sums", sums}};
 }
 
@@ -122,10 +129,16 @@ GasContents contents_from(const json& j, std::size_t n_species) {
   const auto& n = member(j, "particles");
   if (array_of(n, "particles").empty()) return c;
   for (const auto& one : array_of(n, "particles", n_species)) c.n.push_back(count_of(one, "particles"));
-  const auto& sums = array_of(member(j, "sums"), "sums", 12);
+  constexpr std::size_t n_words = 12;
+  const auto& value = member(j, "sums");
+  const bool vibrates = value.is_array() && value.size() == n_words + 2;
+  const auto& sums = array_of(value, "sums", n_words + (vibrates ? 2 : 0));
   std::size_t next = 0;
   for (auto* sum : {&c.momentum[0], &c.momentum[1], &c.momentum[2], &c.translation, &c.rotation, &c.deficit})
     for (auto* word : {&sum->low, &sum->high}) *word = integer_of(sums[next++], "a sum over the particles");
+  if (vibrates)
+    c.vibration =
+        WideSum{integer_of(sums[next], "a sum of vibration"), integer_of(sums[next + 1], "a sum of vibration")};
   return c;
 }
 

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,7 @@ struct HistoryRow {
   Coefficients body;                                                                 ///< of the reference patches
   double t_tr = 0, t_rot = 0;   ///< K, of all particles at the end, about their mean velocity
   std::vector<NetFlux> fluxes;  ///< of each surface; empty: not known, of an older version
+  std::optional<double> t_vib;  ///< K, as the others; none: nothing vibrates
 };
 
 /// Why averages began.

@@ -20,7 +20,7 @@ namespace pamr::dsmc {
 namespace {
 
 constexpr std::uint64_t magic = 0x434d5344524d4150U;  // "PAMRDSMC"
-constexpr std::uint64_t format = 1;
+constexpr std::uint64_t last_format = 2;
 constexpr std::size_t n_fixed = 4;  ///< words before the text
 constexpr std::uint64_t longest_text = std::uint64_t{1} << 30U;
 
@@ -113,9 +113,9 @@ std::string text_of_header(const std::string& file) {
   std::array<std::uint64_t, n_fixed> fixed{};
   const auto bytes = static_cast<std::uint64_t>(end < 0 ? 0 : end);
   if (bytes >= sizeof(fixed)) get(in.number(), file, 0, fixed.data(), sizeof(fixed));
-  if (fixed[0] != magic || fixed[1] != format)
-    throw Error(
-        fmt::format("file '{}': expected a checkpoint of pamr-dsmc (format {}), found another file", file, format));
+  if (fixed[0] != magic || fixed[1] < 1 || fixed[1] > last_format)
+    throw Error(fmt::format("file '{}': expected a checkpoint of pamr-dsmc (format 1 or {}), found another file", file,
+                            last_format));
   if (fixed[2] > longest_text || fixed[2] > bytes - sizeof(fixed))
     throw Error(fmt::format("file '{}': expected a header of {} bytes, found a file of {}", file, fixed[2], bytes));
   std::string text(fixed[2], ' ');
@@ -135,7 +135,7 @@ std::string text_of_header(const std::string& file) {
 nlohmann::json header_of_sections(const std::string& file) { return nlohmann::json::parse(text_of_header(file)); }
 
 void write_sections(const par::Comm& comm, const std::string& file, const nlohmann::json& header,
-                    const std::vector<const Section*>& sections) {
+                    const std::vector<const Section*>& sections, std::uint64_t format) {
   auto text_of = header;
   text_of["sections"] = nlohmann::json::array();
   std::uint64_t at = 0;  // behind the text

@@ -10,7 +10,8 @@
 #include "pamr/par/comm.hpp"
 
 /// A flat file of tables that any number of ranks writes and reads (docs/tools/pamr-dsmc.md). All words have 64 bits,
-/// little endian: "PAMRDSMC", format (1), length of a JSON header in bytes, hash of the header, the header padded to
+/// little endian: "PAMRDSMC", format (1, or 2 of a gas that
+/// vibrates, whose tables have more columns), length of a JSON header in bytes, hash of the header, the header padded to
 /// whole words, and the tables, row by row, at the offsets given in the header.
 namespace pamr::dsmc {
 
@@ -26,7 +27,7 @@ struct Section {
 /// of ranks if the blocks' contents do not. Collective; throws the same `Error` on every rank when it cannot be
 /// written.
 void write_sections(const par::Comm& comm, const std::string& file, const nlohmann::json& header,
-                    const std::vector<const Section*>& sections);
+                    const std::vector<const Section*>& sections, std::uint64_t format = 1);
 
 /// The header of a file of tables. Throws `Error` for one that is damaged, cut off or of another kind. Local.
 nlohmann::json header_of_sections(const std::string& file);

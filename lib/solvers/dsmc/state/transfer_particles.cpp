@@ -19,6 +19,7 @@
 #include "solvers/dsmc/kernel/halo.hpp"
 #include "solvers/dsmc/kernel/move.hpp"
 #include "solvers/dsmc/kernel/numbering.hpp"
+#include "solvers/dsmc/kernel/vibrate.hpp"
 #include "solvers/dsmc/state/cell_row.hpp"
 #include "solvers/dsmc/state/checkpoint.hpp"
 #include "solvers/dsmc/state/checkpoint_rows.hpp"
@@ -41,7 +42,7 @@ struct Passenger {
   Rank rank = 0;    ///< that holds the host
 };
 
-CellColumns columns_of(const OldFlow& old) { return {old.weights.size(), old.is_weighted}; }
+CellColumns columns_of(const OldFlow& old) { return {old.weights.size(), old.is_weighted, old.is_vibrating}; }
 
 /// The old cells of this rank's cells, both counted from the meshes' first.
 std::vector<GlobalId> parents_of(const mesh::DistMesh& mesh, const std::string& name, GlobalId n_old) {
@@ -81,11 +82,11 @@ std::vector<Passenger> passengers_of(const par::Comm& comm, const OldFlow& old, 
   std::vector<GlobalId> rows(places.size());
   std::iota(rows.begin(), rows.end(), first_row);
   const auto words =
-      par::fetch_rows<std::uint64_t>(comm, old.particles.rows, old.particles.block, particle_words, rows);
+      par::fetch_rows<std::uint64_t>(comm, old.particles.rows, old.particles.block, old.particles.width, rows);
   std::vector<Passenger> passengers;
   passengers.reserve(rows.size());
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    const auto* w = words.data() + i * particle_words;
+    const auto* w = words.data() + i * old.particles.width;
     const auto cell = places[i].cell;
     const double fnum = real(old.cells.block[cell * old.cells.width + CellColumns::fnum]) * old.weights[species_of(w)];
     passengers.push_back({rows[i], hosts[cell].cell, {real(w[2]), real(w[3]), real(w[4])}, fnum, hosts[cell].rank});
@@ -209,18 +210,18 @@ class Copies {
   void add(const Particles& placed) {
     std::vector<GlobalId> rows;
     for (const auto id : placed.id) rows.push_back(static_cast<GlobalId>(id));
-    const auto words =
-        par::fetch_rows<std::uint64_t>(*comm_, old_->particles.rows, old_->particles.block, particle_words, rows);
+    const auto words = par::fetch_rows<std::uint64_t>(*comm_, old_->particles.rows, old_->particles.block,
+                                                      old_->particles.width, rows);
     const auto copies_of = [&](std::size_t i, const Particle& p) {
       return placed.rotation[i] / flow_->fnum_of(at(placed.cell[i]), p.species);
     };
-    for (std::size_t i = 0; i < placed.size(); ++i)
-      expected_ += copies_of(i, particle_from(words.data() + i * particle_words));
+    for (std::size_t i = 0; i < placed.size(); ++i) expected_ += copies_of(i, particle(words, i));
     require_room();
     for (std::size_t i = 0; i < placed.size(); ++i) {
-      auto p = particle_from(words.data() + i * particle_words);
+      auto p = particle(words, i);
       Random random(flow_->setup().seed, Purpose::thinning, placed.id[i], flow_->steps_done);
       const auto copies = static_cast<std::int64_t>(copies_of(i, p) + random.uniform_fine());
+      if (!old_->is_vibrating) p.levels = start_levels(p.species, random);
       p.cell = placed.cell[i];
       if (is_further_copy(p.id)) next_ = std::max(next_, p.id + 1);
       for (std::int64_t k = 0; k < copies; ++k) {
@@ -256,6 +257,13 @@ class Copies {
   static bool is_further_copy(std::uint64_t id) { return id >> 62U == 1; }
   static bool is_provisional(std::uint64_t id) { return id >> 61U == 3; }
 
+  Particle particle(const std::vector<std::uint64_t>& words, std::size_t i) const {
+    return particle_from(words.data() + i * old_->particles.width, old_->is_vibrating);
+  }
+  std::uint32_t start_levels(std::uint32_t species, Random& random) const {
+    const auto& setup = flow_->setup();
+    return thermal_levels(setup.gas.species[species].vibration, setup.stream.front().vibrational_temperature, random);
+  }
   void require_room() const {
     par::agree(*comm_, [&] {
       constexpr double most = 0x1p31, bytes = sizeof(Particle);
@@ -356,6 +364,20 @@ Transferred settle(const par::Comm& comm, const OldFlow& old, const std::vector<
   return {old.particles.rows, flow.n_particles(), old.particles.rows - found, old.steps_done};
 }
 
+/// The modes of the species of a flow that vibrates: those of `gas`, if that vibrates too.
+std::vector<Vibration> modes_in(const nlohmann::json& setup, const Gas& gas) {
+  std::vector<Vibration> vibration;
+  for (const auto& modes : array_of(member(setup, "vibration"), "vibration", gas.species.size())) {
+    auto& mode = vibration.emplace_back().mode;
+    for (const auto& theta : array_of(modes, "modes")) mode.push_back(number_of(theta, "the temperature of a mode"));
+    const bool differs = gas.is_vibrating && mode != gas.species[vibration.size() - 1].vibration.mode;
+    if (differs || mode.size() > max_modes)
+      throw Error(fmt::format("expected a flow of species with the modes of this case, found modes of {} K of {}",
+                              short_text(modes), gas.species[vibration.size() - 1].name));
+  }
+  return vibration;
+}
+
 /// What the computation that wrote the file was like, its tables apart. Throws `Error` unless it had the same species
 /// and the same unit of length.
 OldFlow setup_in(const SectionFile& file, const std::string& name, const Flow& flow) {
@@ -372,6 +394,8 @@ OldFlow setup_in(const SectionFile& file, const std::string& name, const Flow& f
     const auto& setup = member(file.header(), "setup");
     if (member(setup, "species") != species || member(setup, "unit") != flow.setup().unit)
       throw Error(fmt::format("expected a flow of the species {}, found {}", species.dump(), shown(setup)));
+    old.is_vibrating = setup.contains("vibration");
+    if (old.is_vibrating) old.vibration = modes_in(setup, flow.setup().gas);
     old.is_weighted = setup.contains("weights");
     old.weights.assign(species.size(), 1);
     if (!old.is_weighted) return old;
@@ -405,9 +429,11 @@ Transferred transfer_particles(const par::Comm& comm, const std::string& name, c
   const SectionFile file(comm, name);
   auto old = setup_in(file, name, flow);
   old.cells = file.read("cells", columns_of(old).width());
-  old.particles = file.read("particles", particle_words);
+  old.particles = file.read("particles", particle_words(old.is_vibrating));
   auto range = sound_range(flow);
   range.is_weighted = old.is_weighted;
+  range.is_vibrating = old.is_vibrating;
+  range.vibration = old.vibration;
   require_sound_cells(comm, name, old.cells, old.particles.rows, range);
   require_sound_particles(comm, name, old.particles, range);
   const auto key = key_of(comm, mesh);

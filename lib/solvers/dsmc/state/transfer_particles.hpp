@@ -26,6 +26,8 @@ struct OldFlow {
   Section cells, particles;
   std::vector<double> weights;  ///< of the species
   bool is_weighted = false;
+  bool is_vibrating = false;
+  std::vector<Vibration> vibration;  ///< of the species
   std::uint64_t steps_done = 0;
 };
 
@@ -39,6 +41,7 @@ struct OldFlow {
 /// - Number: a particle becomes (old F_num / new F_num) particles on average, rounded at random. The random numbers
 ///   belong to the old particle, so the result does not depend on the number of ranks. The particle keeps its id and
 ///   its last collision partner, further copies of it get new ids.
+/// - Vibration: where only the new flow vibrates, the levels are those of its free stream.
 /// - A cell that has not changed keeps all that it remembers of its collisions. Other cells inherit from the old cell
 ///   (sigma c_r)_max, temperature and, by volume, the energy deficit (see `Collider`), and draw a new remainder, which
 ///   keeps the number of candidates right on average. An old cell that is nobody's parent leaves its (sigma c_r)_max
