@@ -214,6 +214,52 @@ def test_inlets_and_outlets_are_shown_and_go_on_with_the_same_bytes():
     refuses("pamr-dsmc", write("bad.toml", duct('kind = "outlet"')), "--mesh", mesh, "-o", "x.hdf", says=["bad.toml:", "pressure"], creates="x.hdf")
 
 
+def test_vibration_is_shown_and_goes_on_with_the_same_bytes_and_is_carried():
+    mesh, cold = kuhn_cube("cube.hdf", 3), CUBE.replace(SPECIES, "").replace("N2 = 1.0", "N2 = 0.6, CO2 = 0.4")
+    hot = cold.replace("temperature = 300.0\nspeed", "temperature = 3000.0\nspeed")
+    case = write("case.toml", hot.replace("[gas]\n", "[gas]\nvibration = true\n").replace("speed", "vibrational_temperature = 900.0\nspeed").replace(
+        "tangential_accommodation = 0.9", "tangential_accommodation = 0.9, vibrational_accommodation = 0.2"))
+    whole = compute(case, mesh, "a.hdf", "--checkpoint", "a.ck", "--history", "a.csv", "--surface", "a.vtu", "--json", "-", ranks=1)
+    assert "vibration of CO2: modes of 959.66, 959.66, 1918.7, 3382.1 K, relaxes in " in whole.err, whole.err
+    assert "above 2,500 K molecules react, which is not modeled" in whole.err and "vibrate" not in whole.err, whole.err
+    assert [s["vibration"]["temperatures"] for s in whole.json["species"]] == [[959.66, 959.66, 1918.7, 3382.1], [3371.0]]
+    assert whole.json["balance"]["holds"], whole.json["balance"]
+    compute(case, mesh, "b.hdf", "--checkpoint", "b.ck", "--steps", "17", "--quiet")
+    compute(case, mesh, "c.hdf", "--restart", "b.ck", "--checkpoint", "c.ck", "--history", "c.csv", "--surface", "c.vtu", "--quiet")
+    for a, c in (("a.hdf", "c.hdf"), ("a.ck", "c.ck"), ("a.csv", "c.csv"), ("a.vtu", "c.vtu")):
+        assert same_bytes(a, c), f"{a} differs from {c}"
+    temperatures = [float(row["T_vib"]) for row in csv.DictReader(open("a.csv"))]
+    assert all(850 < t < 1000 for t in temperatures), temperatures
+    with h5py.File("a.hdf") as file:
+        fields = {name: file[f"VTKHDF/CellData/{name}"][:] for name in ("T_tr", "T_rot", "T_vib", "T")}
+    assert 800 < np.mean(fields["T_vib"]) < 1100 < np.mean(fields["T"]) < np.mean(fields["T_rot"]), fields
+
+    # Formats, other cases, wrong levels, and flows carried between gases with and without vibration.
+    plain = write("plain.toml", hot)
+    compute(plain, mesh, "d.hdf", "--checkpoint", "d.ck", "--history", "d.csv", "--quiet")
+    assert pathlib.Path("a.ck").read_bytes()[8] == 2 and pathlib.Path("d.ck").read_bytes()[8] == 1
+    assert "T_vib" not in open("d.csv").readline()
+    refuses("pamr-dsmc", plain, "--mesh", mesh, "-o", "x.hdf", "--restart", "a.ck", says=("species.N2.vibration", "nothing"), creates="x.hdf")
+    damaged("a.ck", "bad.ck", lambda header, tables: tables["particles"].view(np.int64).__setitem__((3, 9), -1))
+    refuses("pamr-dsmc", case, "--mesh", mesh, "-o", "x.hdf", "--restart", "bad.ck", says=("particles, row 3", "levels"), creates="x.hdf")
+    compute(plain, mesh, "e.hdf", "--carry", "a.ck", "--quiet")
+    compute(case, mesh, "f.hdf", "--carry", "d.ck", "--history", "f.csv", "--quiet")
+    begun = float(next(csv.DictReader(open("f.csv")))["T_vib"])
+    assert 850 < begun < 1000, begun
+    other = write("other.toml", pathlib.Path(case).read_text() + """[species.N2]
+mass = 4.65e-26
+diameter = 4.17e-10
+omega = 0.74
+t_ref = 273.0
+rotational_degrees = 2
+[species.N2.vibration]
+temperatures = [3000.0]
+c1 = 9.1
+c2 = 220.0
+""")
+    refuses("pamr-dsmc", other, "--mesh", mesh, "-o", "x.hdf", "--carry", "a.ck", says=("modes of [3371.0] K of N2",), creates="x.hdf")
+
+
 def test_planes_are_counted_and_bad_ones_refused():
     mesh = kuhn_cube("cube.hdf", 2)
     plane = CUBE[CUBE.index("[[plane]]"):CUBE.index("[reference]")]
@@ -776,6 +822,7 @@ def test_coarse_time_steps_and_few_particles_are_warned_about():
 
 run_tests(globals(), on_ranks=(test_restart_gives_the_same_bytes_as_a_run_without_interruption,
                                test_inlets_and_outlets_are_shown_and_go_on_with_the_same_bytes,
+                               test_vibration_is_shown_and_goes_on_with_the_same_bytes_and_is_carried,
                                test_a_signal_ends_the_run_with_a_checkpoint_to_go_on_from,
                                test_a_killed_run_resumes_from_its_last_checkpoint, test_a_flow_is_carried_through_a_refinement,
                                test_stations_and_lines_show_the_flow_where_they_are, test_a_checkpoint_that_does_not_fit_is_refused,

@@ -265,6 +265,24 @@ TEST_F(SameCase, NamesTheDifferencesOfRunsThatWaitForASteadyFlowAdaptOrArePeriod
     EXPECT_NE(refusal(driven, changed(driven, old, now)).find(name + ": the checkpoint has "), std::string::npos)
         << name;
 
+  const std::string modes = "[species.N2.vibration]\ntemperatures = [3371.0]\nc1 = 9.1\nc2 = 220.0\n";
+  const auto vibrating =
+      changed(changed(changed(base, "[gas]\n", "[gas]\nvibration = true\n"), "[species.Xe]", modes + "[species.Xe]"),
+              "rotational_temperature = 310.0", "rotational_temperature = 310.0\nvibrational_temperature = 900.0");
+  for (const auto& [old, now, name] : std::vector<std::array<std::string, 3>>{
+           {"3371.0", "3300.0", "species.N2.vibration.temperatures"},
+           {"c1 = 9.1", "c1 = 9.2", "species.N2.vibration.c1"},
+           {"c2 = 220.0", "c2 = 221.0", "species.N2.vibration.c2"},
+           {"c2 = 220.0", "c2 = 220.0\ncross_section = 3e-21", "species.N2.vibration.cross_section"},
+           {"= 900.0", "= 800.0", "stream.free.vibrational_temperature"},
+           {"_accommodation = 0.7", "_accommodation = 0.7, vibrational_accommodation = 0.1",
+            "boundary.ymax.vibrational_accommodation"},
+           {"vibration = true\n", "vibration = true\n", ""}})
+    EXPECT_TRUE(name.empty() ? refusal(vibrating, vibrating).empty()
+                             : refusal(vibrating, changed(vibrating, old, now)).find(name + ": the checkpoint has ") !=
+                                   std::string::npos)
+        << name;
+
   const auto inflow = changed(base, "xmax = { kind = \"specular\" }", "xmax = { kind = \"inflow\" }");
   const auto periodic =
       changed(changed(inflow, "xmin = { kind = \"inflow\" }", "xmin = { kind = \"periodic\", partner = \"xmax\" }"),

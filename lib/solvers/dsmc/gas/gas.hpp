@@ -72,8 +72,8 @@ struct Gas {
   double heat_ratio(double t) const;
 };
 
-/// Whether a temperature (K) is one at which chemistry and vibration, the first of which is never modeled, matter: the gas
-/// has molecules of two or more atoms, and it is above 2,500 K. Local.
+/// Whether at a temperature (K) vibration and chemistry matter, the latter of which is never modeled: the gas has
+/// molecules of two or more atoms, and it is above 2,500 K. Local.
 bool is_hot(const Gas& gas, double temperature);
 /// Text of the warning about it, by what the gas has.
 const char* missing_when_hot(const Gas& gas);
@@ -97,9 +97,10 @@ double relaxation_probability(const Rotation& rotation, int rotational_degrees, 
 
 /// Collisions of a molecule in which its vibration relaxes by a factor of e, the relaxation time times the collision
 /// frequency at `t` (K): c1 / T^omega exp(c2 / T^(1/3)), and in addition where a limit is given sqrt(2) sigma_T /
-/// sigma_v with sigma_v = cross_section (50,000 / T)^2, without which molecules would relax more often than they collide.
-/// Source: R. C. Millikan, D. R. White, "Systematics of vibrational relaxation", J. Chem. Phys. 39 (1963), in the form of
-/// G. A. Bird 1994, section 6.5; the limit: C. Park, "Review of chemical-kinetic problems of future NASA missions, I:
+/// sigma_v with sigma_v = cross_section (50,000 / T)^2, without which hot molecules would relax more often than they
+/// collide.
+/// Source: R. C. Millikan, D. R. White, "Systematics of vibrational relaxation", J. Chem. Phys. 39 (1963), in the form
+/// of G. A. Bird 1994, chapter 6; the limit: C. Park, "Review of chemical-kinetic problems of future NASA missions, I:
 /// Earth entries", J. Thermophys. Heat Transfer 7 (1993).
 double vibration_number(const Species& species, double t);
 

@@ -6,16 +6,16 @@
 #include <cstdint>
 #include <vector>
 
-/// Vibration of molecules: each mode is a harmonic oscillator on one of the levels 0, 1, 2, ... of equal distance, whose
-/// energy counts from level 0.
+/// Vibration of molecules: each mode is a harmonic oscillator on one of the levels 0, 1, 2, ... of equal distance. Energy
+/// counts from level 0.
 namespace pamr::dsmc {
 
 inline constexpr std::size_t max_modes = 4;
 
 /// The modes of a kind of molecule, and how fast they relax.
 struct Vibration {
-  /// K, characteristic temperature of each mode, at most `max_modes`; a degenerate mode stands as often as it is. Empty:
-  /// no vibration.
+  /// K, characteristic temperature of each mode, at most `max_modes`; a degenerate mode is there as often as it is.
+  /// Empty: no vibration.
   std::vector<double> mode;
   double c1 = 0, c2 = 0;     ///< collisions to relax: c1 / T^omega exp(c2 / T^(1/3)) (see `vibration_number`)
   double cross_section = 0;  ///< m2 at 50,000 K, the limit at high temperatures; 0: none
@@ -60,8 +60,8 @@ double temperature_of_vibration(const std::vector<const Vibration*>& kinds, cons
 ///
 /// An exchange draws the level anew from what both have, E: level v in proportion to (E - v k theta)^exponent. In
 /// equilibrium the levels before and after are two draws for the same E, so the share is 1 - var(<v | E>) / var(v),
-/// which depends on theta / T alone. Without levels, for high temperatures, it would be a / (a + c), with a = exponent +
-/// 1 and the mode's heat capacity c in units of k.
+/// which depends on theta / T alone. At high temperatures it becomes a / (a + c), with a = exponent + 1 and the mode's
+/// heat capacity c in units of k; at low ones that would be up to a quarter too large.
 class RelaxingShare {
  public:
   /// `exponent`: half the degrees of freedom of relative motion in collisions, less 1; above -1.

@@ -85,8 +85,8 @@ std::vector<CellCollisions> start_collisions(const Gas& gas, double t, std::uint
 /// - The lighter particle takes the outcome. The heavier one gets the mean velocity and rotational energy of its two
 ///   parts, collided and not, which keeps the momentum, and the levels of one of them, drawn by their sizes.
 /// - The energy lost thereby is the cell's `energy_deficit`. It is added to the relative motion of the cell's next
-///   collision between two particles of the largest weight present (below 0: as far as that has it): energy plus deficit
-///   is kept to rounding.
+///   collision between two particles of the largest weight present (below 0: as far as that has it): energy plus
+///   deficit is kept to rounding.
 ///
 /// Source: G. A. Bird, Molecular Gas Dynamics and the Direct Simulation of Gas Flows, 1994, chapters 11 and 5; I. D.
 /// Boyd, "Conservative species weighting scheme for the direct simulation Monte Carlo method", J. Thermophys. Heat
@@ -127,8 +127,8 @@ class Collider {
   void set_vibration_chances(double temperature);
   /// Of a molecule of species a against one of species b, in all.
   double vibration_chance_of(std::size_t a, std::size_t b) const;
-  /// A mode of one of the pair, chosen by `draw` from 0 to the chances of both, exchanges with the relative motion: whose
-  /// energy it has, and returns, in J.
+  /// A mode of one of the pair, chosen by `draw` (from 0 to the sum of the chances of both), exchanges with the relative
+  /// motion, which has the energy `motion` (J). Returns what that has afterwards.
   double exchange_vibration(Particles& particles, const Partners& partners, double draw, double motion, Random& random);
 
   const Gas* gas_;
@@ -140,7 +140,7 @@ class Collider {
   /// Of each particle of the cell: tag of its partner in the last candidate pair of this step that might exchange.
   std::vector<std::uint32_t> last_candidate_;
   double max_exchange_ = 0;  ///< largest chance of an exchange of internal energy in the current cell, at most 1
-  /// That a mode exchanges, by pair of species (its molecule's first) and mode, `max_modes` of them; empty: no vibration.
+  /// Of an exchange, by pair of species (that of the mode first) and mode, `max_modes` of them; empty: no vibration.
   std::vector<double> vibration_chance_;
   NearestInCell nearest_;
   SubCells sub_cells_;

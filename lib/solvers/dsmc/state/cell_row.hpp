@@ -13,8 +13,8 @@ namespace pamr::dsmc {
 /// All that a cell carries from one step to the next: through checkpoints, to other ranks, and to the cells of an
 /// adapted mesh. In a table of cells (`Section`) it is one row: particles, (sigma c_r)_max, remainder, temperature,
 /// separation, collisions, block, squares of blocks, volume, F_num, for each species the sums of n, velocity, square
-/// and rotation, in a gas with species of different weights the energy deficit, and in one that vibrates for each species
-/// the sum of vibration.
+/// and rotation, in a gas with species of different weights the energy deficit, and in one that vibrates for each
+/// species the sum of vibration.
 struct CellRow {
   std::int64_t particles = 0;
   CellCollisions collisions;

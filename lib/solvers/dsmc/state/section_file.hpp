@@ -10,9 +10,9 @@
 #include "pamr/par/comm.hpp"
 
 /// A flat file of tables that any number of ranks writes and reads (docs/tools/pamr-dsmc.md). All words have 64 bits,
-/// little endian: "PAMRDSMC", format (1, or 2 of a gas that
-/// vibrates, whose tables have more columns), length of a JSON header in bytes, hash of the header, the header padded to
-/// whole words, and the tables, row by row, at the offsets given in the header.
+/// little endian: "PAMRDSMC", format (1, or 2 of a gas that vibrates, whose
+/// tables have more columns), length of a JSON header in bytes, hash of the header, the header padded to whole words,
+/// and the tables, row by row, at the offsets given in the header.
 namespace pamr::dsmc {
 
 /// A table of words. `block`: this rank's rows in the canonical distribution (`par::block_range`) of `rows`.

@@ -26,9 +26,9 @@ struct OldFlow {
   Section cells, particles;
   std::vector<double> weights;  ///< of the species
   bool is_weighted = false;
-  bool is_vibrating = false;
-  std::vector<Vibration> vibration;  ///< of the species
   std::uint64_t steps_done = 0;
+  bool is_vibrating = false;
+  std::vector<Vibration> vibration = {};  ///< of the species, if it vibrates
 };
 
 /// Fills `flow`, new and empty, with the particles of a flow on the mesh that this one was adapted from. The cell
