@@ -45,6 +45,13 @@ double temperature_of(const Gas& gas, const Particles& p, std::uint32_t begin, s
   return (energy - squared_norm(momentum) / mass) / (3 * boltzmann * (weights - weights / (end - begin)));
 }
 
+/// Weight of a step in the smoothed temperature of a cell. Vibration relaxes with up to the tenth power of the
+/// temperature. What the few molecules of a cell have by chance would bias it by (power) x weight x (2 / 3 N), since
+/// those that are fast now would exchange more often.
+double part_of_step(const Gas& gas, std::uint64_t step) {
+  return gas.is_vibrating ? std::max(0.004, 1 / (static_cast<double>(step) + 1)) : 0.02;
+}
+
 /// Chance that one of two colliding molecules exchanges rotational energy, and whether it had to be limited.
 struct Exchange {
   double a = 0, b = 0;
@@ -135,7 +142,8 @@ void Collider::collide_cell(const GasDomain& domain, std::size_t c, std::uint64_
   const bool varies = gas_->is_vibrating || gas_->rotation.model == Rotation::Model::variable;
   if (varies) {
     const double now = temperature_of(*gas_, particles, begin, end);
-    state.temperature = state.temperature > 0 ? state.temperature + 0.02 * (now - state.temperature) : now;
+    const double part = part_of_step(*gas_, step);
+    state.temperature = state.temperature > 0 ? state.temperature + part * (now - state.temperature) : now;
   }
   const double wanted = mean_candidates(domain, c, n, state) + state.remainder;
   const auto candidates = static_cast<std::int64_t>(wanted);
