@@ -8,7 +8,7 @@ import pathlib
 import h5py
 import numpy as np
 
-from tool_run import RANKS, kuhn_cube, refuses, run, run_tests, same_bytes
+from tool_run import RANKS, kuhn_cube, of_full_level, refuses, run, run_tests, same_bytes
 
 # A stream that is stopped by a mirror: a shock runs from xmin into the gas.
 CASE = """
@@ -81,6 +81,22 @@ def test_a_mesh_follows_a_shock_with_the_same_bytes_on_any_ranks():
     names = ["out.hdf", "h.csv", "c", "c-50.hdf"] + [f"w-{step:07}.hdf" for step in range(10, 70, 10)]
     for name in names:
         assert same_bytes(name, f"one/{name}"), f"{name} depends on the number of ranks"
+
+
+@of_full_level
+def test_levels_of_vibration_follow_the_mesh():
+    kuhn_cube("cube.hdf", 4)
+    hot = CASE[CASE.index("[gas]"):].replace("Ar = 1.0 }", "N2 = 0.5, NO = 0.5 }\nvibration = true").replace("300.0", "3000.0").replace(
+        "-650.0", "-2500.0").replace('{ kind = "specular" }', '{ kind = "diffuse", temperature = 5000.0 }').replace("5e-5", "2e-5")
+    case = write("case.toml", hot + ADAPT)
+    report = compute(case, "cube.hdf", "one.hdf", "--checkpoint", "one", "--history", "one.csv", "--json", "-", serial=True).json
+    assert report["adaptation"]["octets_gone"] > 0 and report["balance"]["holds"], report
+    last = list(csv.DictReader(open("one.csv")))[-1]
+    assert 3500 < float(last["T_vib"]) < float(last["T_tr"]), last
+    compute(case, "cube.hdf", "part.hdf", "--steps", 33, "--checkpoint", "half")
+    compute(case, "cube.hdf", "rest.hdf", "--restart", "half", "--checkpoint", "rest", "--history", "rest.csv")
+    for one, rest in (("one.hdf", "rest.hdf"), ("one.csv", "rest.csv")):
+        assert same_bytes(one, rest), one
 
 
 def test_a_restart_goes_on_with_the_mesh_of_the_checkpoint():
