@@ -52,11 +52,6 @@ LocalId number_faces(const mesh::DistMesh& mesh, LocalId first, std::vector<std:
   return first;
 }
 
-bool gives_potential(Condition condition) {
-  return condition == Condition::potential || condition == Condition::plate_profile ||
-         condition == Condition::manufactured;
-}
-
 /// What a patch gives for u at a point.
 double given_value(const Problem& problem, const Boundary& b, geometry::Vec3 point) {
   if (b.condition == Condition::potential) return b.value - problem.split_potential(point.z);
@@ -150,7 +145,7 @@ CubicConditions cubic_conditions(const par::Comm& comm, const Problem& problem, 
   for (std::size_t i = 0; i < domain.point.size(); ++i) given[i].is_fixed = problem.conditions.fixed[i];
   for (std::size_t f = 0; f < domain.faces.size(); ++f) {
     const auto& b = *problem.input.find_boundary(domain.mesh->info.patches[at(domain.faces[f].patch)].name);
-    if (!gives_potential(b.condition)) continue;
+    if (!fixes_potential(b.condition)) continue;
     const auto& nodes = elements.face_to_node[f];
     const auto position = elements.face_points(domain, f);
     // Where another patch has another potential, the jump is on this face, and nothing smooth is to be added.

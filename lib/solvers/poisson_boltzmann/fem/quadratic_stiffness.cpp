@@ -160,8 +160,7 @@ std::vector<double> quadratic_load(const Domain& domain, const Case& input) {
   std::vector<double> load(domain.point.size(), 0);
   for (std::size_t f = 0; f < domain.faces.size(); ++f) {
     const auto& b = *input.find_boundary(domain.mesh->info.patches[at(domain.faces[f].patch)].name);
-    if (b.condition != Condition::far_field && b.condition != Condition::charge && b.condition != Condition::symmetry)
-      continue;
+    if (fixes_potential(b.condition)) continue;
     const auto node = elements.face_points(domain, f);
     for (const auto& point : face_points()) {
       const auto placed = place(node, point);

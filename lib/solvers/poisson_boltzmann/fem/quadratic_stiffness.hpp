@@ -25,12 +25,12 @@ void add_quadratic_source_matrix(const Problem& problem, const std::vector<doubl
 void add_quadratic_source_product(const Problem& problem, const std::vector<double>& u, std::span<const double> w,
                                   std::vector<double>& to);
 
-/// dpsi/dn out of the liquid that a patch of a charge, a mirror or the far field gives for u, but for what the far
-/// field has of u itself.
+/// dpsi/dn out of the liquid that a patch gives whose potential is free, but for what depends on u at the far field and
+/// on walls with sites.
 double given_flux(const Case& input, const PlateProfile& profile, const Boundary& boundary,
                   const PlacedFacePoint& placed);
 
-/// What charges, the far field, the split-off profile and sources give at the nodes, of this rank's cells. Local.
+/// What given charges, the far field, the split-off profile and sources give at the nodes, of this rank's cells. Local.
 std::vector<double> quadratic_load(const Domain& domain, const Case& input);
 
 }  // namespace pamr::poisson_boltzmann

@@ -12,6 +12,7 @@
 #include "solvers/poisson_boltzmann/fem/preconditioner.hpp"
 #include "solvers/poisson_boltzmann/fem/quadratic_stiffness.hpp"
 #include "solvers/poisson_boltzmann/fem/quadrature.hpp"
+#include "solvers/poisson_boltzmann/fem/site_walls.hpp"
 
 namespace pamr::poisson_boltzmann {
 
@@ -132,12 +133,14 @@ std::vector<double> System::local_values(Vec vector) const {
 
 void System::residual(Vec u, Vec f, bool with_fixed) const {
   require(MatMult(stiffness_, u, f));
-  const bool nodal = is_nodal();
-  std::vector<double> gauss;
-  if (!nodal) {
-    gauss.assign(domain_.point.size(), 0);
-    add_gauss(local_values(u), gauss);
-    domain_.nodes.sum_copies(comm_, gauss);
+  const bool nodal = is_nodal(), has_integrals = !nodal || problem_.input.has_regulated();
+  std::vector<double> integral;
+  if (has_integrals) {
+    integral.assign(domain_.point.size(), 0);
+    const auto local = local_values(u);
+    if (!nodal) add_gauss(local, integral);
+    add_site_charge(problem_, local, -1, integral);
+    domain_.nodes.sum_copies(comm_, integral);
   }
   const ConstEntries value(u);
   Entries result(f);
@@ -148,8 +151,8 @@ void System::residual(Vec u, Vec f, bool with_fixed) const {
       result[k] = value[k] - conditions_.value[i];
       continue;
     }
-    const double source =
-        nodal ? domain_.node_volume[i] * problem_.term.value(value[k], conditions_.psi0[i]) : gauss[i];
+    double source = nodal ? domain_.node_volume[i] * problem_.term.value(value[k], conditions_.psi0[i]) : 0;
+    if (has_integrals) source += integral[i];
     result[k] += source + conditions_.robin[i] * value[k] - conditions_.load[i];
   }
 }
@@ -178,7 +181,10 @@ void System::add_gauss(const std::vector<double>& u, std::vector<double>& to) co
 }
 
 void System::add_gauss_matrix(const std::vector<double>& u) {
-  if (domain_.quadratic) return add_quadratic_source_matrix(problem_, u, jacobian_);
+  if (domain_.quadratic) {
+    add_quadratic_source_matrix(problem_, u, jacobian_);
+    return add_site_matrix(problem_, u, jacobian_);
+  }
   const auto& cells = domain_.mesh->cell_to_node;
   for (std::size_t c = 0; c < cells.size(); ++c) {
     std::array<double, 16> block{};
@@ -200,7 +206,10 @@ void System::add_gauss_matrix(const std::vector<double>& u) {
 
 /// Adds what that matrix would give for w if no node were fixed.
 void System::add_gauss_product(const std::vector<double>& u, std::span<const double> w, std::vector<double>& to) const {
-  if (domain_.quadratic) return add_quadratic_source_product(problem_, u, w, to);
+  if (domain_.quadratic) {
+    add_quadratic_source_product(problem_, u, w, to);
+    return add_site_slope(problem_, u, w, to);
+  }
   const auto& cells = domain_.mesh->cell_to_node;
   for (std::size_t c = 0; c < cells.size(); ++c) {
     const auto of_w = at_corners(cells[c], w);
@@ -216,6 +225,12 @@ void System::linearize(Vec u) {
   if (!nodal || !has_jacobian_) restore_jacobian();
   if (!nodal) add_gauss_matrix(local_values(u));
   require(nodal ? VecCopy(diagonal_, updated_) : MatGetDiagonal(jacobian_, updated_));
+  std::vector<double> of_sites;
+  if (!domain_.quadratic && problem_.input.has_regulated()) {
+    of_sites.assign(domain_.point.size(), 0);
+    add_site_slope(problem_, local_values(u), std::vector<double>(of_sites.size(), 1), of_sites);
+    domain_.nodes.sum_copies(comm_, of_sites);
+  }
   {
     const ConstEntries value(u);
     Entries diagonal(updated_);
@@ -223,7 +238,7 @@ void System::linearize(Vec u) {
     for (std::size_t k = 0; k < owned.size(); ++k) {
       const auto i = at(owned[k]);
       if (conditions_.fixed[i] != 0) continue;
-      diagonal[k] += conditions_.robin[i];
+      diagonal[k] += conditions_.robin[i] + (of_sites.empty() ? 0 : of_sites[i]);
       if (nodal) diagonal[k] += domain_.node_volume[i] * problem_.term.slope(value[k], conditions_.psi0[i]);
     }
   }

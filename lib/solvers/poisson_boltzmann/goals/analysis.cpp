@@ -88,7 +88,8 @@ DualError error_by_dual(const par::Comm& comm, const State& state, const GoalFun
   const auto& input = state.problem.input;
   const auto gradient = cell_gradients(domain, w);
   const auto recovered = recover(comm, domain, gradient, input.estimator.recovery);
-  auto error = goal_error(comm, state.problem, {state.u, w, state.cell_gradient, state.recovered, gradient, recovered});
+  auto error = goal_error(comm, state.problem,
+                          {state.u, w, state.cell_gradient, state.recovered, gradient, recovered, functional.counted});
   if (functional.goal.kind == Goal::Kind::charge) error.correction = -error.correction;
   if (functional.goal.kind == Goal::Kind::energy) {
     const auto of_energy = energy_error(comm, state.problem, state.u, estimate.squared);
@@ -97,8 +98,8 @@ DualError error_by_dual(const par::Comm& comm, const State& state, const GoalFun
   }
   const auto shape = shape_error(comm, state, functional, {w, gradient, recovered});
   error.correction += functional.remainder + shape.correction;
-  const double bar =
-      bar_over_shares * par::reproducible_sum(comm, error.share) + shape.rest + charge_at_edges(comm, state.problem, w);
+  const double bar = bar_over_shares * par::reproducible_sum(comm, error.share) + shape.rest +
+                     charge_at_edges(comm, state, functional.counted, w);
   return {std::move(error.share), error.correction, bar};
 }
 

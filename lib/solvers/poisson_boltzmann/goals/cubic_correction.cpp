@@ -9,6 +9,7 @@
 #include "pamr/mesh/tet.hpp"
 #include "pamr/par/reproducible_sum.hpp"
 #include "solvers/poisson_boltzmann/fem/quadratic_stiffness.hpp"
+#include "solvers/poisson_boltzmann/goals/cubic_sites.hpp"
 
 namespace pamr::poisson_boltzmann {
 
@@ -88,8 +89,8 @@ void CubicCorrection::add_cell(const Problem& problem, std::size_t cell, std::sp
 void CubicCorrection::add_face(const Problem& problem, std::size_t face, std::span<const double> u) {
   const auto& domain = problem.domain;
   const auto& b = *problem.input.find_boundary(domain.mesh->info.patches[at(domain.faces[face].patch)].name);
-  const bool is_far = b.condition == Condition::far_field;
-  if (!is_far && b.condition != Condition::charge && b.condition != Condition::symmetry) return;
+  const bool is_far = b.condition == Condition::far_field, depends_on_u = is_far || b.condition == Condition::regulated;
+  if (fixes_potential(b.condition)) return;
   const auto& function = functions_.face_to_function[face];
   const auto node = domain.quadratic->face_points(domain, face);
   FaceBlock block{function, {}};
@@ -100,15 +101,21 @@ void CubicCorrection::add_face(const Problem& problem, std::size_t face, std::sp
     for (std::size_t k = 0; k < 6; ++k) here += shape[k] * u[at(function[k])];
     for (std::size_t k = 6; k < 9; ++k) shape[k] *= functions_.face_sign(face, k);
     double flux = given_flux(problem.input, problem.profile, b, placed);
+    double alpha = 0;  // minus the slope of the flux
     if (is_far) {
-      const double alpha = far_field_coefficient(problem.input.spheres, placed.position, placed.normal);
+      alpha = far_field_coefficient(problem.input.spheres, placed.position, placed.normal);
       flux -= alpha * here;
+    } else {
+      const double psi = here + problem.split_potential(placed.position.z);
+      if (depends_on_u) flux += b.charge_at(psi);
+      alpha = -b.charge_slope_at(psi);
+    }
+    if (depends_on_u)
       for (std::size_t i = 0; i < 10; ++i)
         for (std::size_t j = 0; j < 10; ++j) block.entry[10 * i + j] += alpha * placed.area * shape[i] * shape[j];
-    }
     for (std::size_t k = 6; k < 10; ++k) right_[at(function[k])] += flux * placed.area * shape[k];
   }
-  if (is_far) face_block_.push_back(block);
+  if (depends_on_u) face_block_.push_back(block);
 }
 
 std::vector<double> CubicCorrection::product(const par::Comm& comm, std::span<const double> x) const {
@@ -289,27 +296,40 @@ CubicGoalError CubicCorrection::goal_error(const par::Comm& comm, std::span<cons
     result.share.push_back(share);
     result.rest.add(c, rest * product_of(c, of_u, of_w), rest * share);
   }
-  if (!problem_.input.linear) add_curvature(comm, result);
+  if (!problem_.input.linear || problem_.input.has_regulated()) add_curvature(comm, result);
   return result;
 }
 
-void CubicCorrection::add_curvature(const par::Comm& comm, CubicGoalError& to) const {
+std::vector<double> CubicCorrection::of_curvature(std::span<const double> of_dual) const {
   const auto& domain = problem_.domain;
-  std::array<par::ExactSum, 1> total;
-  for (std::size_t c = 0; c < block_.size(); ++c) {
+  std::vector<double> result(block_.size(), 0);
+  for (std::size_t c = 0; c < block_.size() && !problem_.input.linear; ++c) {
     const auto node = domain.quadratic->points(domain, c);
     const auto value = domain.quadratic->values(c, u_);
-    const auto error = functions_.values(c, error_), dual = functions_.values(c, to.dual);
-    double sum = 0;
+    const auto error = functions_.values(c, error_), dual = functions_.values(c, of_dual);
     for (std::size_t p = 0; p < cell_points().size(); ++p) {
       const auto& point = cell_points()[p];
       const auto placed = cubic_at(node, point, cubic_points()[p]);
       const double e = interpolated(placed.value, error), z = placed.placed.position.z;
       const double curvature = problem_.term.curvature(interpolated(point.value, value), problem_.split_potential(z));
-      sum -= 0.5 * point.weight * placed.placed.jacobian / 6 * curvature * e * e * interpolated(placed.value, dual);
+      result[c] -=
+          0.5 * point.weight * placed.placed.jacobian / 6 * curvature * e * e * interpolated(placed.value, dual);
     }
-    total[0].add(sum);
-    to.rest.add_square(c, sum, decay_[c]);
+  }
+  at_cubic_sites(problem_, u_, functions_, [&](const SitePoint& point, const OfCubicFace<double>& shape) {
+    const auto& function = functions_.face_to_function[point.face];
+    const double e = on_face(function, shape, error_), w = on_face(function, shape, of_dual);
+    result[at(domain.faces[point.face].cell)] += 0.5 * point.area * point.site->curvature(point.psi) * e * e * w;
+  });
+  return result;
+}
+
+void CubicCorrection::add_curvature(const par::Comm& comm, CubicGoalError& to) const {
+  const auto added = of_curvature(to.dual);
+  std::array<par::ExactSum, 1> total;
+  for (std::size_t c = 0; c < added.size(); ++c) {
+    total[0].add(added[c]);
+    to.rest.add_square(c, added[c], decay_[c]);
   }
   to.correction += par::reproducible_sums(comm, total)[0];
 }
@@ -322,8 +342,7 @@ void CubicCorrection::add_energy_error(const par::Comm& comm, CubicGoalError& to
     to.rest.add(c, -rest, rest);
   }
   to.rest.unsolved += 0.5 * rest_;
-  const auto image = product(comm, error_);
-  to.correction += 0.5 * dot_owned(comm, error_, image) - dot_owned(comm, right_, error_);
+  to.correction += 0.5 * par::reproducible_sum(comm, of_u) - dot_owned(comm, right_, error_);
 }
 
 }  // namespace pamr::poisson_boltzmann

@@ -38,7 +38,8 @@ class CubicCorrection {
 
   /// Error of a functional by its dual solution w of second order; `load` is its derivative by the coefficients of all
   /// functions (0 for those beyond its end). Shares are the products of the energy norms of e and of the same error of
-  /// w. What the square of e adds by the slope of the source term is in the correction as well. Collective.
+  /// w. What the square of e adds by the slopes of the source term and of the charges of sites is in the correction as
+  /// well. Collective.
   CubicGoalError goal_error(const par::Comm& comm, std::span<const double> w, std::span<const double> load) const;
 
   /// Adds what the energy of u is too large by, but for the part that its dual solution gives. Collective: one
@@ -67,6 +68,8 @@ class CubicCorrection {
   OfCubicCell<double> of_cell(std::size_t cell, std::span<const double> x) const;
   std::vector<double> decay_of(const par::Comm& comm, std::span<const double> x) const;
   void add_curvature(const par::Comm& comm, CubicGoalError& to) const;
+  /// What the curvature of the source term, and of the charges of sites, adds to a cell.
+  std::vector<double> of_curvature(std::span<const double> dual) const;
   std::vector<double> cell_energy(std::span<const double> x) const;
 
   const Problem& problem_;

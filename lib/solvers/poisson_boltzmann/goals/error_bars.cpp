@@ -14,7 +14,8 @@ namespace pamr::poisson_boltzmann {
 namespace {
 
 bool holds_value(const Boundary& b) {
-  return b.condition == Condition::potential || b.condition == Condition::charge || b.condition == Condition::symmetry;
+  return b.condition == Condition::potential || b.condition == Condition::charge ||
+         b.condition == Condition::regulated || b.condition == Condition::symmetry;
 }
 
 std::string why_not_of_second_order(const Problem& problem, const std::vector<bool>& has_facets) {
@@ -51,7 +52,7 @@ std::string why_not_of_first_order(const Problem& problem, const std::vector<Ele
     if (layer.is_known) continue;
     const bool is_own = goal.kind == Goal::Kind::charge && body != electrodes.end() && body->has(static_cast<int>(p));
     const auto* b = problem.input.find_boundary(patches[p].name);
-    const bool is_charged = is_own || (b->condition == Condition::charge && b->value != 0);
+    const bool is_charged = is_own || b->holds_charge();
     const double most = is_charged ? largest_ratio_of_charge_bar : largest_resolved_layer_ratio;
     if (layer.ratio > most)
       return fmt::format(

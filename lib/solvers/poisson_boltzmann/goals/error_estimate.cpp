@@ -130,6 +130,38 @@ double nodal_excess(const Problem& problem, std::size_t cell, std::span<const do
 
 }  // namespace
 
+namespace {
+
+/// What lumping at the nodes makes of the charges of sites, weighted with the dual solution, less the integral over the
+/// face; less by 1 is the dual solution where the goal is that charge. Calls `use(cell, excess)` for each such face.
+template <class Use>
+void at_lumped_sites(const Problem& problem, const GoalInput& in, const Use& use) {
+  const auto& domain = problem.domain;
+  for (const auto& face : domain.faces) {
+    const auto& b = *problem.input.find_boundary(domain.mesh->info.patches[at(face.patch)].name);
+    if (b.condition != Condition::regulated) continue;
+    const double counted = (in.counted >> static_cast<unsigned>(face.patch) & 1U) != 0 ? 1 : 0;
+    double excess = 0;
+    for (const auto node : face.node) {
+      const auto i = at(node);
+      excess += b.site.value(problem.conditions.psi0[i] + in.u[i]) * (in.w[i] - counted) / 3;
+    }
+    for (const auto& point : triangle_points) {
+      double u = 0, w = 0, z = 0;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const auto i = at(face.node[k]);
+        u += point.weight_of_corner[k] * in.u[i];
+        w += point.weight_of_corner[k] * in.w[i];
+        z += point.weight_of_corner[k] * domain.point[i].z;
+      }
+      excess -= point.weight * b.site.value(problem.split_potential(z) + u) * (w - counted);
+    }
+    use(at(face.cell), face.area * excess);
+  }
+}
+
+}  // namespace
+
 GoalError goal_error(const par::Comm& comm, const Problem& problem, const GoalInput& in) {
   const auto& domain = problem.domain;
   const bool is_nodal = problem.input.solver.quadrature == Quadrature::nodal;
@@ -155,6 +187,11 @@ GoalError goal_error(const par::Comm& comm, const Problem& problem, const GoalIn
     }
     sum[0].add(correction);
   }
+  if (problem.input.has_regulated())
+    at_lumped_sites(problem, in, [&](std::size_t cell, double excess) {
+      sum[0].add(-excess);
+      result.share[cell] += std::abs(excess);
+    });
   result.correction = par::reproducible_sums(comm, sum)[0];
   return result;
 }

@@ -40,13 +40,14 @@ struct GoalError {
   /// weighted with w. For marking; their sum is far above the error.
   std::vector<double> share;
   /// Estimate of J(u) - J(u_h) with its sign, to first order: the integral of (G* - grad u_h) . (W* - grad w_h) and
-  /// what nodal quadrature adds, on the meshed part. For a charge by nodal reactions, whose w is 1 on the patch and
+  /// what nodal quadrature adds, that of walls with sites included, on the meshed part. For a charge by nodal reactions, whose w is 1 on the patch and
   /// which is the residual with w, it is that with the other sign.
   double correction = 0;
 };
 struct GoalInput {
   std::span<const double> u, w;
   std::span<const geometry::Vec3> gradient_u, recovered_u, gradient_w, recovered_w;  ///< on cells, at nodes
+  std::uint64_t counted = 0;  ///< patches of sites whose charge is the goal (bit p for patch p)
 };
 /// Collective: one reduction. Source: R. Becker, R. Rannacher, Acta Numerica 10 (2001), with recovered gradients.
 GoalError goal_error(const par::Comm& comm, const Problem& problem, const GoalInput& input);

@@ -4,6 +4,7 @@
 #include <array>
 
 #include "pamr/base/index.hpp"
+#include "solvers/poisson_boltzmann/fem/site_walls.hpp"
 
 namespace pamr::poisson_boltzmann {
 
@@ -41,17 +42,23 @@ void add_far_field(const State& state, par::ExactSum& sum) {
 std::optional<FreeEnergy> free_energy_of(const par::Comm& comm, const State& state, const Energy& energy) {
   const auto& problem = state.problem;
   if (problem.input.plate || problem.input.manufactured) return std::nullopt;
-  std::array<par::ExactSum, 2> sums;  // beyond the far field; charges times potentials
+  // Beyond the far field; charges times potentials, given ones alone and all of them; sites.
+  std::array<par::ExactSum, 4> sums;
   add_far_field(state, sums[0]);
   const auto& conditions = problem.conditions;
   for (std::size_t i = 0; i < state.u.size(); ++i) {
     if (!problem.domain.nodes.is_owned(i)) continue;
     const double held = conditions.fixed[i] != 0 ? state.reaction[i] : 0;
-    sums[1].add((conditions.load[i] + held) * state.u[i]);
+    sums[1].add(conditions.load[i] * state.u[i]);
+    sums[2].add((conditions.load[i] + held) * state.u[i]);
   }
+  at_site_points(problem, state.u, [&](const SitePoint& point) {
+    sums[2].add(point.area * point.site->value(point.psi) * point.psi);
+    sums[3].add(point.area * point.site->integral(point.psi));
+  });
   const auto totals = par::reproducible_sums(comm, sums);
   const double fixed_potential = -(energy.total + totals[0]);
-  return FreeEnergy{fixed_potential, fixed_potential + totals[1]};
+  return FreeEnergy{fixed_potential, fixed_potential + totals[2], fixed_potential + totals[1] + totals[3]};
 }
 
 }  // namespace pamr::poisson_boltzmann

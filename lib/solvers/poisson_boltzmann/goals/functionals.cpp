@@ -9,6 +9,7 @@
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/base/listed.hpp"
+#include "solvers/poisson_boltzmann/fem/site_walls.hpp"
 #include "solvers/poisson_boltzmann/goals/cut_off.hpp"
 #include "solvers/poisson_boltzmann/goals/quadratic_goals.hpp"
 #include "solvers/poisson_boltzmann/goals/volume_force.hpp"
@@ -125,8 +126,25 @@ void add_midplane_form(const par::Comm& comm, const State& state, const Excess& 
   }
 }
 
-void set_charge_goal(const Problem& problem, const std::vector<Electrode>& electrodes,
+/// Derivative of the charge of the sites that the goal counts, with the other sign. Collective: an exchange.
+void set_site_goal(const par::Comm& comm, const State& state, GoalFunctional& goal) {
+  const auto& problem = state.problem;
+  if (problem.domain.quadratic) {
+    goal.load = quadratic_charge_derivative(comm, state, goal);
+    goal.squares = quadratic_charge_remainder(state, goal);
+    goal.remainder = par::reproducible_sum(comm, goal.squares);
+    return;
+  }
+  at_site_points(problem, state.u, [&](const SitePoint& point) {
+    if (goal.counts(problem.domain.faces[point.face].patch))
+      point.add(-point.area * point.site->slope(point.psi), goal.load);
+  });
+  problem.domain.nodes.sum_copies(comm, goal.load);
+}
+
+void set_charge_goal(const par::Comm& comm, const State& state, const std::vector<Electrode>& electrodes,
                      const std::vector<PatchResult>& results, GoalFunctional& goal) {
+  const auto& problem = state.problem;
   const auto& deciding = problem.conditions.deciding_patch;
   const auto electrode =
       std::find_if(electrodes.begin(), electrodes.end(), [&](const Electrode& e) { return e.name == goal.goal.body; });
@@ -138,7 +156,10 @@ void set_charge_goal(const Problem& problem, const std::vector<Electrode>& elect
     const bool is_part = is_body ? electrode->has(static_cast<int>(p)) : patches[p].name == goal.goal.body;
     for (std::size_t i = 0; i < deciding.size(); ++i)
       if (is_part && deciding[i] == static_cast<int>(p)) goal.fixed[i] = 1;
+    if (is_part && problem.input.find_boundary(patches[p].name)->condition == Condition::regulated)
+      goal.counted |= std::uint64_t{1} << p;
   }
+  if (goal.counted != 0) set_site_goal(comm, state, goal);
   for (const auto& patch : results)
     if (patch.name == goal.goal.body) {
       goal.value = patch.charge;
@@ -146,15 +167,16 @@ void set_charge_goal(const Problem& problem, const std::vector<Electrode>& elect
     }
 }
 
-/// Given charges and, at the far field, the flux of the profile, lumped. Collective: one exchange.
-std::vector<double> fluxes_without_profile(const par::Comm& comm, const Problem& problem) {
+/// The charges of walls and, at the far field, the flux of the profile, lumped. Collective: one exchange.
+std::vector<double> fluxes_without_profile(const par::Comm& comm, const State& state) {
+  const auto& problem = state.problem;
   const auto& domain = problem.domain;
   std::vector<double> result(domain.point.size(), 0);
   for (const auto& face : domain.faces) {
     const auto* b = problem.input.find_boundary(domain.mesh->info.patches[at(face.patch)].name);
     for (const auto node : face.node) {
       const auto i = at(node);
-      if (b->condition == Condition::charge) result[i] += face.area / 3 * b->value;
+      if (b->holds_charge()) result[i] += face.area / 3 * b->charge_at(problem.conditions.psi0[i] + state.u[i]);
       if (b->condition == Condition::far_field)
         result[i] += face.area / 3 * face.normal.z * problem.split_slope(domain.point[i].z);
     }
@@ -163,7 +185,7 @@ std::vector<double> fluxes_without_profile(const par::Comm& comm, const Problem&
   return result;
 }
 
-/// The energy is stationary but for given charges and the far field: its derivative is what these add.
+/// The energy is stationary but for charges of walls and the far field: its derivative is what these add.
 void set_energy_goal(const par::Comm& comm, const State& state, const Energy& energy, GoalFunctional& goal) {
   const auto& problem = state.problem;
   const auto& conditions = problem.conditions;
@@ -174,7 +196,14 @@ void set_energy_goal(const par::Comm& comm, const State& state, const Energy& en
       if (conditions.fixed[i] != 0) goal.load[i] = 0;
     return;
   }
-  goal.load = problem.input.split ? fluxes_without_profile(comm, problem) : conditions.load;
+  if (problem.input.split) {
+    goal.load = fluxes_without_profile(comm, state);
+  } else {
+    goal.load.assign(conditions.load.size(), 0);
+    add_site_charge(problem, state.u, 1, goal.load);
+    problem.domain.nodes.sum_copies(comm, goal.load);
+    for (std::size_t i = 0; i < goal.load.size(); ++i) goal.load[i] += conditions.load[i];
+  }
   for (std::size_t i = 0; i < goal.load.size(); ++i)
     goal.load[i] = conditions.fixed[i] != 0 ? 0 : goal.load[i] - conditions.robin[i] * state.u[i];
 }
@@ -209,17 +238,20 @@ void require_goals(const par::Comm& comm, const Problem& problem) {
     const auto electrode = std::find_if(electrodes.begin(), electrodes.end(),
                                         [&](const Electrode& candidate) { return candidate.name == goal.body; });
     if (electrode == electrodes.end())
-      throw Error(fmt::format("expected a patch that holds a charge or a potential for goal \"{}\", found \"{}\"",
-                              goal.name, goal.body));
+      throw Error(
+          fmt::format("expected a patch that holds a charge, sites or a potential for goal \"{}\", found \"{}\"",
+                      goal.name, goal.body));
     if (goal.kind != Goal::Kind::charge) {
       require_component(problem, goal, *electrode);
       continue;
     }
     for (std::size_t p = 0; p < domain.patches.size(); ++p)
       if (electrode->has(static_cast<int>(p)) &&
-          input.find_boundary(domain.mesh->info.patches[p].name)->condition != Condition::potential)
+          input.find_boundary(domain.mesh->info.patches[p].name)->condition == Condition::charge)
         throw Error(
-            fmt::format("expected a patch or body of given potential for goal \"charge\", found \"{}\"", goal.body));
+            fmt::format("expected a patch or body of given potential, or a regulated one, for goal \"charge\", found "
+                        "\"{}\"",
+                        goal.body));
   }
 }
 
@@ -233,7 +265,7 @@ Functionals find_functionals(const par::Comm& comm, const State& state, System& 
   add_midplane_form(comm, state, excess, electrodes, result);
   result.energy = energy_of(comm, state, excess);
   for (auto& goal : result.goals) {
-    if (goal.goal.kind == Goal::Kind::charge) set_charge_goal(state.problem, electrodes, result.patches, goal);
+    if (goal.goal.kind == Goal::Kind::charge) set_charge_goal(comm, state, electrodes, result.patches, goal);
     if (goal.goal.kind == Goal::Kind::energy) set_energy_goal(comm, state, result.energy, goal);
   }
   withdraw_lost_values(result);

@@ -17,8 +17,12 @@ struct GoalFunctional {
   double remainder = 0;         ///< what the error of the gradient adds in second order, on the meshed part
   std::vector<double> squares;  ///< n_cells, of second order: what `remainder` is the sum of; empty if it is 0
   double through_walls = 0;     ///< part of a force whose derivative `load` lacks
-  std::vector<double> load;     ///< n_nodes: the derivative; of second order by all functions of `CubicFunctions`
-  std::vector<double> fixed;    ///< n_nodes, or empty: the dual solution where u is given
+  /// n_nodes: the derivative, of a charge with the other sign; of second order by all functions of `CubicFunctions`.
+  std::vector<double> load;
+  std::vector<double> fixed;  ///< n_nodes, or empty: the dual solution where u is given
+  std::uint64_t counted = 0;  ///< bit p: the charge of the sites on patch p is part of the value
+
+  bool counts(int patch) const { return (counted >> static_cast<unsigned>(patch) & 1U) != 0; }
 };
 
 /// Charges, forces, torques and energy of a solution.

@@ -10,15 +10,26 @@ namespace pamr::poisson_boltzmann {
 
 namespace {
 
-/// Thickness of the layer at a face, by the potential of its nodes.
-double thickness_at(const State& state, const BoundaryFace& face) {
+/// Potentials that the patches would have as flat walls alone in the liquid, by their charges; 0 where they have none. A
+/// charge makes such a potential when its layer is resolved; the solution tells less where it is not.
+std::vector<double> potentials_of_charges(const Problem& problem) {
+  std::vector<double> result;
+  for (const auto& patch : problem.domain.mesh->info.patches) {
+    const auto* b = problem.input.find_boundary(patch.name);
+    auto& potential = result.emplace_back(0);
+    if (b == nullptr) continue;
+    if (b->condition == Condition::charge) potential = problem.term.potential_of_charge(b->value);
+    if (b->condition == Condition::regulated) potential = b->site.flat_wall_potential(problem.term);
+  }
+  return result;
+}
+
+/// Thickness of the layer at a face, by the potential of its nodes and that of its charge.
+double thickness_at(const State& state, const BoundaryFace& face, double of_charge) {
   const auto& problem = state.problem;
-  double thinnest = 1;
+  double thinnest = problem.term.layer_thickness(of_charge);
   const auto take = [&](double potential) { thinnest = std::min(thinnest, problem.term.layer_thickness(potential)); };
   for (const auto node : face.node) take(problem.conditions.psi0[at(node)] + state.u[at(node)]);
-  const auto* b = problem.input.find_boundary(problem.domain.mesh->info.patches[at(face.patch)].name);
-  // A charge makes the potential of a flat wall when its layer is resolved; the solution tells less where it is not.
-  if (b->condition == Condition::charge) take(problem.term.potential_of_charge(b->value));
   return thinnest;
 }
 
@@ -33,10 +44,11 @@ Layers find_layers(const par::Comm& comm, const State& state, double max_cells) 
   std::vector<double> thinnest(patches.size(), HUGE_VAL);
   for (std::size_t p = 0; p < patches.size(); ++p)
     result.patches[p].is_known = problem.input.split && patches[p].name == problem.input.plate->patch;
+  const auto of_charge = potentials_of_charges(problem);
   for (const auto& face : domain.faces) {
     const auto p = at(face.patch);
     if (!problem.input.is_electrode(patches[p].name) || !(face.area > 0)) continue;
-    const double thickness = thickness_at(state, face);
+    const double thickness = thickness_at(state, face, of_charge[p]);
     const double height = 3 * geometry::volume(domain.points(at(face.cell))) / face.area;
     const double ratio = height / thickness;
     sums[3 * p].add(face.area * height * height);

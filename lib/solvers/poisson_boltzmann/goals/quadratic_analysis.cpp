@@ -178,7 +178,8 @@ double outward_slope(const Problem& problem, const Boundary& b, const PlacedFace
   const double z = placed.position.z;
   switch (b.condition) {
     case Condition::charge:
-      return b.value;
+    case Condition::regulated:
+      return b.charge_at(problem.split_potential(z) + u);
     case Condition::symmetry:
       return 0;
     case Condition::far_field:

@@ -7,6 +7,7 @@
 
 #include "pamr/base/index.hpp"
 #include "solvers/poisson_boltzmann/goals/cubic_correction.hpp"
+#include "solvers/poisson_boltzmann/goals/cubic_sites.hpp"
 #include "solvers/poisson_boltzmann/goals/quadratic_analysis.hpp"
 #include "solvers/poisson_boltzmann/goals/shape_change.hpp"
 
@@ -225,7 +226,7 @@ std::vector<double> quadratic_energy_derivative(const par::Comm& comm, const Sta
   std::vector<double> result(functions.all.n_nodes(), 0);
   for (std::size_t f = 0; f < domain.faces.size(); ++f) {
     const auto& b = *problem.input.find_boundary(domain.mesh->info.patches[at(domain.faces[f].patch)].name);
-    if (b.condition != Condition::charge && b.condition != Condition::far_field) continue;
+    if (!b.holds_charge() && b.condition != Condition::far_field) continue;
     const auto position = domain.quadratic->face_points(domain, f);
     const auto& function = functions.face_to_function[f];
     for (const auto& point : face_points()) {
@@ -238,6 +239,31 @@ std::vector<double> quadratic_energy_derivative(const par::Comm& comm, const Sta
     }
   }
   functions.all.sum_copies(comm, result);
+  return result;
+}
+
+std::vector<double> quadratic_charge_derivative(const par::Comm& comm, const State& state, const GoalFunctional& goal) {
+  const auto& functions = state.cubic->functions();
+  std::vector<double> result(functions.all.n_nodes(), 0);
+  at_cubic_sites(state.problem, state.u, functions, [&](const SitePoint& point, const OfCubicFace<double>& shape) {
+    if (!goal.counts(state.problem.domain.faces[point.face].patch)) return;
+    const auto& function = functions.face_to_function[point.face];
+    const double amount = -point.area * point.site->slope(point.psi);
+    for (std::size_t k = 0; k < shape.size(); ++k) result[at(function[k])] += amount * shape[k];
+  });
+  functions.all.sum_copies(comm, result);
+  return result;
+}
+
+std::vector<double> quadratic_charge_remainder(const State& state, const GoalFunctional& goal) {
+  const auto& domain = state.problem.domain;
+  std::vector<double> result(domain.quadratic->cell_to_node.size(), 0);
+  const auto& functions = state.cubic->functions();
+  at_cubic_sites(state.problem, state.u, functions, [&](const SitePoint& point, const OfCubicFace<double>& shape) {
+    if (!goal.counts(domain.faces[point.face].patch)) return;
+    const double error = on_face(functions.face_to_function[point.face], shape, state.cubic->error());
+    result[at(domain.faces[point.face].cell)] += 0.5 * point.area * point.site->curvature(point.psi) * error * error;
+  });
   return result;
 }
 
@@ -278,7 +304,8 @@ double quadratic_shape_error(const par::Comm& comm, const State& state, const Go
                               psi0,
                               base,
                               gradient_of(behind, all),
-                              interpolated(behind.value, all)};
+                              interpolated(behind.value, all),
+                              functional.counts(face.patch) ? 1.0 : 0.0};
       auto further_u = traces, further_w = traces;
       further_u.gradient += rest_u * gradient_of(behind, error);
       if (b.condition != Condition::potential) further_u.u += rest_u * interpolated(behind.value, error);
@@ -296,7 +323,7 @@ double quadratic_shape_error(const par::Comm& comm, const State& state, const Go
     sum[0].add(of_face);
     dual.rest.add(c, wave.number() * squares, spread);
   }
-  dual.rest.unsolved += charge_at_edges(comm, problem, dual.dual);
+  dual.rest.unsolved += charge_at_edges(comm, state, functional.counted, dual.dual);
   return par::reproducible_sums(comm, sum)[0];
 }
 

@@ -35,7 +35,7 @@ Vec3 across(Vec3 n) {
 bool is_curved_wall(const Boundary& b, const Surface* surface) {
   return surface != nullptr && !surface->is_flat() &&
          (b.condition == Condition::potential || b.condition == Condition::charge ||
-          b.condition == Condition::symmetry);
+          b.condition == Condition::regulated || b.condition == Condition::symmetry);
 }
 
 WallShift wall_shift(const Domain& domain, const Boundary& b, const Surface& surface, const WallPlace& place,
@@ -70,10 +70,12 @@ double shape_change(const Problem& problem, const Goal& goal, const Boundary& b,
     return d * ((goal.kind == Goal::Kind::energy ? density : 0) - slope * dual_slope);
   }
   const auto along = at.gradient + slope * at.normal;
-  const double missed = d * (dot(along, at.dual_gradient) + source * at.w) + b.value * at.w * shift.stretch;
+  const double charge = b.charge_at(at.psi0 + at.u), charge_slope = b.charge_slope_at(at.psi0 + at.u);
+  const double missed = d * (dot(along, at.dual_gradient) + source * at.w) +
+                        charge * (shift.stretch - d * charge_slope) * (at.w - at.counted);
   if (goal.kind == Goal::Kind::charge) return -missed;
   if (goal.kind != Goal::Kind::energy) return missed;
-  const double squares = squared_norm(along) + b.value * b.value - at.base * at.base;
+  const double squares = squared_norm(along) + charge * charge - at.base * at.base;
   return missed - d * (0.5 * squares + problem.term.pressure(at.u, at.psi0));
 }
 
@@ -115,9 +117,9 @@ std::array<EdgePoint, 3> edge_points() {
   return {edge_point(0.5 - a, 5.0 / 18), edge_point(0.5, 8.0 / 18), edge_point(0.5 + a, 5.0 / 18)};
 }
 
-/// Area between an edge of a face and the curve where its surface meets the other one, weighted with |w|.
+/// Area between an edge of a face and the curve where its surface meets the other one, weighted with |amount|.
 double width_at_edge(const Domain& domain, const std::array<const Surface*, 2>& surfaces,
-                     const std::array<Vec3, 3>& node, const std::array<double, 3>& w, Vec3 normal) {
+                     const std::array<Vec3, 3>& node, const std::array<double, 3>& amount, Vec3 normal) {
   double sum = 0;
   for (const auto& point : edge_points()) {
     Vec3 x, t;
@@ -125,7 +127,7 @@ double width_at_edge(const Domain& domain, const std::array<const Surface*, 2>& 
     for (std::size_t k = 0; k < 3; ++k) {
       x += point.value[k] / domain.scale * node[k];
       t += point.slope[k] * node[k];
-      value += point.value[k] * w[k];
+      value += point.value[k] * amount[k];
     }
     const auto gap = geometry::project_onto_all(surfaces, x).point - surfaces[0]->project(x);
     sum += point.weight * std::abs(value * domain.scale * dot(gap, cross(t, normal)));
@@ -135,9 +137,10 @@ double width_at_edge(const Domain& domain, const std::array<const Surface*, 2>& 
 
 }  // namespace
 
-double charge_at_edges(const par::Comm& comm, const Problem& problem, std::span<const double> w) {
+double charge_at_edges(const par::Comm& comm, const State& state, std::uint64_t counted, std::span<const double> w) {
+  const auto& problem = state.problem;
   if (std::none_of(problem.input.boundary.begin(), problem.input.boundary.end(),
-                   [](const Boundary& b) { return b.condition == Condition::charge && b.value != 0; }))
+                   [](const Boundary& b) { return b.holds_charge(); }))
     return 0;
   const auto& domain = problem.domain;
   const auto& patches = domain.mesh->info.patches;
@@ -147,24 +150,28 @@ double charge_at_edges(const par::Comm& comm, const Problem& problem, std::span<
     const auto& face = domain.faces[f];
     const auto own = at(face.patch);
     const auto& b = *problem.input.find_boundary(patches[own].name);
-    if (b.condition != Condition::charge || b.value == 0 || surfaces.of(own) == nullptr) continue;
+    if (!b.holds_charge() || surfaces.of(own) == nullptr) continue;
+    const double of_goal = (counted >> own & 1U) != 0 ? 1 : 0;
+    const auto weight = [&](std::size_t node, double of_w) {
+      return b.charge_at(problem.conditions.psi0[node] + state.u[node]) * (of_w - of_goal);
+    };
     for (std::size_t k = 0; k < 3; ++k) {
       const std::array<std::size_t, 2> end{at(face.node[k]), at(face.node[(k + 1) % 3])};
       auto shared = domain.node_patches[end[0]] & domain.node_patches[end[1]] & ~(std::uint64_t{1} << own);
       std::array<Vec3, 3> node{domain.point[end[0]], domain.point[end[1]]};
-      std::array<double, 3> of_w{w[end[0]], w[end[1]]};
+      std::array<double, 3> amount{weight(end[0], w[end[0]]), weight(end[1], w[end[1]])};
       node[2] = 0.5 * (node[0] + node[1]);
-      of_w[2] = 0.5 * (of_w[0] + of_w[1]);
+      amount[2] = 0.5 * (amount[0] + amount[1]);
       if (domain.quadratic) {
         const auto middle = at(domain.quadratic->face_to_node[f][3 + k]);
         shared &= domain.node_patches[middle];
         node[2] = domain.point[middle];
-        of_w[2] = w[middle];
+        amount[2] = weight(middle, w[middle]);
       }
       for (std::size_t p = 0; p < patches.size(); ++p) {
         const auto* other = surfaces.of(p);
         if ((shared >> p & 1U) == 0 || other == nullptr || (other->is_flat() && surfaces.of(own)->is_flat())) continue;
-        sum[0].add(std::abs(b.value) * width_at_edge(domain, {surfaces.of(own), other}, node, of_w, face.normal));
+        sum[0].add(width_at_edge(domain, {surfaces.of(own), other}, node, amount, face.normal));
       }
     }
   }

@@ -12,14 +12,16 @@
 ///
 ///     potential given:  -d psi_n w_n                                     (the potential moves along with the wall)
 ///     charge given:     -d [grad_t psi . grad_t w + sinh(psi) w] - sigma w s
+///     sites:            the same + d sigma sigma' w, sigma' = dsigma/dpsi
 ///
 /// where s is the area of the surface over that of the face, less 1. It is 2 H d with the mean curvature H for a wall
 /// that moves as a whole. Between a face and a surface the tilt of the one against the other is of the same order: it
 /// takes away half of what the curvature adds for chords of a circle. So s is measured, which needs no curvature.
+/// A goal that is the charge of sites changes by sigma (s - d sigma') itself.
 namespace pamr::poisson_boltzmann {
 
 /// True where this file knows what a curved face misses: a surface that is not flat, and a potential or charge that is
-/// given, or a mirror (a charge of 0). Local.
+/// given, sites, or a mirror (a charge of 0). Local.
 bool is_curved_wall(const Boundary& boundary, const geometry::Surface* surface);
 
 /// A point of a face.
@@ -46,6 +48,7 @@ struct WallTraces {
   double base = 0;  ///< slope of the profile that is split off
   geometry::Vec3 dual_gradient;
   double w = 0;
+  double counted = 0;  ///< 1 where the goal is the charge of the sites there
 };
 /// Change of the functional for a unit of area of the face. Local.
 double shape_change(const Problem& problem, const Goal& goal, const Boundary& boundary, const WallTraces& at,
@@ -63,9 +66,10 @@ class GapWave {
   double squared_tilts_ = 0, squared_distances_ = 0;
 };
 
-/// Size of what given charges miss at the edges of their patches, where the surface goes on beyond the straight or
-/// curved edges of the mesh or ends before them: the sum of charge, dual solution w (n_nodes) and width, without signs.
+/// Size of what charges of walls miss at the edges of their patches, where the surface goes on beyond the straight or
+/// curved edges of the mesh or ends before them: the sum of charge, dual solution w (n_nodes) and width, without signs. On
+/// patches of sites whose charge is the goal (`counted`, bit p for patch p) w is less by 1.
 /// 0 where the walls meet at right angles. Collective: a few reductions.
-double charge_at_edges(const par::Comm& comm, const Problem& problem, std::span<const double> w);
+double charge_at_edges(const par::Comm& comm, const State& state, std::uint64_t counted, std::span<const double> w);
 
 }  // namespace pamr::poisson_boltzmann

@@ -49,6 +49,7 @@ ShapeError shape_error(const par::Comm& comm, const State& state, const GoalFunc
     const auto* surface = domain.mesh->info.surface_of(face.patch);
     if (!is_curved_wall(b, surface)) continue;
     auto traces = traces_at(state, face, b, dual.of_cells[at(face.cell)]);
+    traces.counted = functional.counts(face.patch) ? 1 : 0;
     const auto gradient = mean_of(state.recovered, face) + Vec3{0, 0, traces.base};
     const auto dual_gradient = mean_of(dual.recovered, face);
     double squares = 0;

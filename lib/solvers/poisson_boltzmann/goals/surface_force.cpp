@@ -65,8 +65,8 @@ class FaceTerms {
       mean_pressure += pressure / 3;
       const Vec3 base{0, 0, slope};
       recovered += third * (added_stress(state_.recovered[i], base, n) - pressure * n);
-      const auto by_reaction =
-          is_fixed(b) ? reaction_charge(problem_, state_.reaction, face.normal, i) : std::optional<double>();
+      const auto by_reaction = fixes_potential(b.condition) ? reaction_charge(problem_, state_.reaction, face.normal, i)
+                                                            : std::optional<double>();
       const double density = by_reaction ? *by_reaction : outward_slope(b, face, i);
       charge += third * density;
       potential += third * (problem_.conditions.psi0[i] + state_.u[i]);
@@ -80,16 +80,10 @@ class FaceTerms {
     sums.charge_and_potential[1].add(potential);
   }
 
-  static bool is_fixed(const Boundary& b) {
-    return b.condition == Condition::potential || b.condition == Condition::plate_profile ||
-           b.condition == Condition::manufactured;
-  }
-
  private:
   /// dpsi/dn out of the liquid, where the condition gives it.
   double outward_slope(const Boundary& b, const BoundaryFace& face, std::size_t node) const {
-    if (b.condition == Condition::charge) return b.value;
-    if (b.condition != Condition::far_field) return 0;
+    if (b.condition != Condition::far_field) return b.charge_at(problem_.conditions.psi0[node] + state_.u[node]);
     Vec3 middle;
     for (const auto other : face.node) middle += (1.0 / 3) * problem_.domain.point[at(other)];
     const double z = problem_.domain.point[node].z, psi0 = problem_.profile.potential(z);

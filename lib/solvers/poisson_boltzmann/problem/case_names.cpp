@@ -32,7 +32,7 @@ std::vector<Boundary> resolved_boundary(const std::vector<Boundary>& stated, con
   std::vector<Boundary> result;
   for (std::size_t i = 0; i < stated.size(); ++i) {
     if (mesh::find_patches(patches, stated[i].patch).empty()) result.push_back(stated[i]);
-    for (const auto& patch : found[i]) result.push_back({patch, stated[i].condition, stated[i].value});
+    for (const auto& patch : found[i]) result.emplace_back(stated[i]).patch = patch;
   }
   return result;
 }
@@ -53,9 +53,10 @@ void require_bodies(const Case& input, const std::string& where) {
   for (const auto& body : input.bodies) {
     for (const auto& patch : body.patches)
       if (!is_name_pattern(patch) && !input.is_electrode(patch))
-        throw Error(fmt::format(
-            "{}: expected patches with condition \"potential\" or \"charge\" in [[body]] \"{}\", found \"{}\"", where,
-            body.name, patch));
+        throw Error(
+            fmt::format("{}: expected patches with condition \"potential\", \"charge\" or \"regulated\" in [[body]] "
+                        "\"{}\", found \"{}\"",
+                        where, body.name, patch));
     const bool is_alone = body.patches == Names{body.name};
     if (!is_alone && contains(named, body.name))
       throw Error(fmt::format("{}: expected names of [[body]] that are no patch's, found \"{}\"", where, body.name));
@@ -70,10 +71,10 @@ Case resolve_names(Case input, const std::vector<mesh::Patch>& patches, const st
       const bool is_unknown = !is_name_pattern(name) && mesh::find_patches(patches, name).empty();
       const auto found = is_unknown ? Names{name} : electrodes_named(name, patches, input);
       if (found.empty())
-        throw Error(
-            fmt::format("{}: expected patches of the mesh with condition \"potential\" or \"charge\" in [[body]] "
-                        "\"{}\", found none that \"{}\" stands for",
-                        where, body.name, name));
+        throw Error(fmt::format(
+            "{}: expected patches of the mesh with condition \"potential\", \"charge\" or \"regulated\" in [[body]] "
+            "\"{}\", found none that \"{}\" stands for",
+            where, body.name, name));
       for (const auto& patch : found)
         if (!contains(all, patch)) all.push_back(patch);
     }

@@ -21,17 +21,13 @@ namespace {
 
 constexpr auto positive = NumberRange::above(0);
 
-constexpr std::array<std::pair<Condition, const char*>, 6> condition_names{{{Condition::potential, "potential"},
+constexpr std::array<std::pair<Condition, const char*>, 7> condition_names{{{Condition::potential, "potential"},
                                                                             {Condition::charge, "charge"},
+                                                                            {Condition::regulated, "regulated"},
                                                                             {Condition::symmetry, "symmetry"},
                                                                             {Condition::plate_profile, "plate-profile"},
                                                                             {Condition::far_field, "far-field"},
                                                                             {Condition::manufactured, "manufactured"}}};
-
-bool fixes_potential(Condition condition) {
-  return condition == Condition::potential || condition == Condition::plate_profile ||
-         condition == Condition::manufactured;
-}
 
 /// Charges of cation and anion, "2:1".
 void read_salt(const TomlTable& table, Electrolyte& e) {
@@ -86,6 +82,7 @@ Electrolyte read_electrolyte(const TomlTable& table) {
   e.temperature = table.number_or("temperature", e.temperature, {1, 10000});
   e.permittivity = table.number_or("permittivity", e.permittivity, {1, 10000});
   e.debye_length = table.find_number("debye_length", {1e-12, 1});
+  e.ph = table.find_number("pH", {-10, 30});
   if (e.salt == "mixed") {
     set_debye_length(table, "ion", 1, e);
   } else if (const auto concentration = table.find_number("concentration", {1e-12, 1e6})) {
@@ -252,8 +249,8 @@ class Reader {
   Boundary read_boundary(const TomlTable& table) const {
     Boundary boundary;
     boundary.patch = table.name();
-    const auto word =
-        table.word("condition", {"potential", "charge", "symmetry", "plate-profile", "far-field", "manufactured"});
+    const auto word = table.word(
+        "condition", {"potential", "charge", "regulated", "symmetry", "plate-profile", "far-field", "manufactured"});
     for (const auto& [condition, name] : condition_names)
       if (word == name) boundary.condition = condition;
     const auto units = units_of(result_.electrolyte);
@@ -280,6 +277,12 @@ class Reader {
       if (!result_.linear && !(std::abs(potential) <= most))
         table.refuse("value", fmt::format("a charge that makes a potential of at most {:g} kT/Ze", most),
                      fmt::format("{:g}, which makes {:.4g} kT/Ze on a flat wall", boundary.value, potential));
+    } else if (boundary.condition == Condition::regulated) {
+      boundary.site = read_site_charge(table, result_.electrolyte);
+      const double potential = boundary.site.flat_wall_potential(result_.term());
+      if (!result_.linear && !(std::abs(potential) <= most))
+        table.refuse("value", fmt::format("sites that make a potential of at most {:g} kT/Ze", most),
+                     fmt::format("{:.4g} kT/Ze on a flat wall", potential));
     }
     return boundary;
   }
@@ -341,12 +344,13 @@ class Reader {
     if (result_.split && result_.manufactured) refuse("either split or manufactured", "both");
     bool driven = false;
     for (const auto& b : result_.boundary) {
-      driven = driven || fixes_potential(b.condition) || (b.condition == Condition::charge && b.value != 0);
+      driven = driven || fixes_potential(b.condition) || b.holds_charge();
       if (b.condition == Condition::manufactured && !result_.manufactured)
         refuse("manufactured = true in [equation] with condition \"manufactured\"", "none");
     }
     if (!driven && !result_.manufactured)
-      refuse("a patch with a given potential or charge", "none: the potential would be zero everywhere");
+      refuse("a patch with a given potential or charge, or a regulated one",
+             "none: the potential would be zero everywhere");
     for (const auto& goal : result_.estimator.goals) {
       if (goal.kind == Goal::Kind::midplane && result_.force.midplane.empty())
         refuse("midplane = \"PATCH\" in [force] for goal = \"midplane\"", "none");
@@ -371,6 +375,11 @@ const char* name_of(Condition condition) {
   return "";
 }
 
+bool fixes_potential(Condition condition) {
+  return condition == Condition::potential || condition == Condition::plate_profile ||
+         condition == Condition::manufactured;
+}
+
 const Boundary* Case::find_boundary(std::string_view patch) const {
   for (const auto& b : boundary)
     if (b.patch == patch) return &b;
@@ -381,7 +390,13 @@ const Boundary* Case::find_boundary(std::string_view patch) const {
 
 bool Case::is_electrode(std::string_view patch) const {
   const auto* b = find_boundary(patch);
-  return b != nullptr && (b->condition == Condition::potential || b->condition == Condition::charge);
+  return b != nullptr && (b->condition == Condition::potential || b->condition == Condition::charge ||
+                          b->condition == Condition::regulated);
+}
+
+bool Case::has_regulated() const {
+  return std::any_of(boundary.begin(), boundary.end(),
+                     [](const Boundary& b) { return b.condition == Condition::regulated; });
 }
 
 PlateProfile Case::profile() const {
@@ -439,6 +454,10 @@ std::vector<std::string> describe(const Case& problem) {
       value = " " + with_unit(b.value, units.potential, "V");
     else if (b.condition == Condition::charge)
       value = " " + with_unit(b.value, units.charge_density, "C/m^2");
+    else if (b.condition == Condition::regulated)
+      value = fmt::format(", {} sites {}, alone a flat wall of them has {}", b.site.density < 0 ? "acid" : "basic",
+                          with_unit(std::abs(b.site.density), units.site_density, "/nm^2"),
+                          with_unit(b.site.flat_wall_potential(problem.term()), units.potential, "V"));
     lines.push_back(fmt::format("patch {}: {}{}", b.patch, name_of(b.condition), value));
   }
   return lines;

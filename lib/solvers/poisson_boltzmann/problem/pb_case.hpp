@@ -9,6 +9,7 @@
 #include "pamr/base/exact.hpp"
 #include "pamr/geometry/vec3.hpp"
 #include "solvers/poisson_boltzmann/problem/plate_profile.hpp"
+#include "solvers/poisson_boltzmann/problem/site_charge.hpp"
 #include "solvers/poisson_boltzmann/problem/source_term.hpp"
 #include "solvers/poisson_boltzmann/problem/units.hpp"
 
@@ -18,17 +19,31 @@ namespace pamr::poisson_boltzmann {
 enum class Condition {
   potential,      ///< psi = value
   charge,         ///< dpsi/dn = value: the charge density of the body behind it, sigma = -dpsi/dn out of the body
+  regulated,      ///< the same with a charge density that follows from psi: `Boundary::site`
   symmetry,       ///< dpsi/dn = 0: a mirror
   plate_profile,  ///< psi = psi0(z) of the plate, 0 without one
   far_field,      ///< d(psi - psi0)/dn = -alpha (psi - psi0), alpha of the decay of spheres far away
   manufactured    ///< psi = the manufactured solution
 };
 const char* name_of(Condition condition);
+/// Whether psi itself is given.
+bool fixes_potential(Condition condition);
 
 struct Boundary {
   std::string patch;  ///< a name, or a pattern of names until `resolve_names` (base/name_pattern.hpp)
   Condition condition = Condition::symmetry;
   double value = 0;  ///< dimensionless
+  SiteCharge site;   ///< of `regulated`
+
+  /// Whether a charge density is given, or how it follows from the potential, and it is not always 0.
+  bool holds_charge() const {
+    return condition == Condition::regulated || (condition == Condition::charge && value != 0);
+  }
+  /// That density at a potential, and its derivative; 0 where there is none.
+  double charge_at(double psi) const {
+    return condition == Condition::regulated ? site.value(psi) : condition == Condition::charge ? value : 0;
+  }
+  double charge_slope_at(double psi) const { return condition == Condition::regulated ? site.slope(psi) : 0; }
 };
 
 /// A charged sphere; lengths in Debye lengths. `patch` is empty for one beyond a mirror, which is not in the mesh.
@@ -101,8 +116,10 @@ struct Case {
 
   /// What holds on the patch: stated for its own name, or for a pattern that stands for it. Null if nothing does.
   const Boundary* find_boundary(std::string_view patch) const;
-  /// True where that patch holds a charge or a potential: forces on it and its charge have a meaning.
+  /// True where that patch holds a charge, sites or a potential: forces on it and its charge have a meaning.
   bool is_electrode(std::string_view patch) const;
+  /// Whether the charge of any patch follows from its potential.
+  bool has_regulated() const;
   /// psi0(z); 0 without a plate.
   PlateProfile profile() const;
   /// The right-hand side of the equation.

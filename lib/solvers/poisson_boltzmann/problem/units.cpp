@@ -33,6 +33,7 @@ Units units_of(const Electrolyte& e) {
   const double length = *e.debye_length;
   units.length = length;
   units.charge_density = permittivity * units.potential / length;
+  units.site_density = *units.charge_density / elementary_charge * 1e-18;
   units.charge = permittivity * units.potential * length;
   units.energy = units.force * length;
   const double squared = charges_squared(e) * elementary_charge * elementary_charge;

@@ -21,6 +21,7 @@ struct Electrolyte {
   double permittivity = 78.5;          ///< relative to the vacuum
   std::optional<double> debye_length;  ///< 1/kappa, m; nothing: the case is stated in Debye lengths only
   std::vector<Ion> ions = {};          ///< whose charges add up to 0; empty for a Z:Z salt
+  std::optional<double> ph = {};       ///< far from all bodies
 };
 
 /// What one dimensionless unit is worth. Lengths are scaled with kappa, potentials with Z e / kT.
@@ -30,6 +31,7 @@ struct Units {
   std::optional<double> length;          ///< 1/kappa, m
   std::optional<double> charge_density;  ///< eps eps0 kappa kT/Ze, C/m^2
   std::optional<double> charge;          ///< eps eps0 (kT/Ze) / kappa, C
+  std::optional<double> site_density;    ///< `charge_density` in elementary charges on a square nanometer
   std::optional<double> energy;          ///< force / kappa, J
   std::optional<double> concentration;   ///< of the salt, mol/m^3; with `ions` the factor of theirs
 };

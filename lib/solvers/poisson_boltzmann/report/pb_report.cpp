@@ -49,6 +49,13 @@ const char* unit_name(const std::string& quantity) {
   return quantity.rfind("force", 0) == 0 ? "N" : quantity.rfind("torque", 0) == 0 ? "N m" : "C";
 }
 
+/// Mean share of the sites of a regulated patch that carry their charge; nothing for others.
+std::optional<double> charged_share(const Case& input, const PatchResult& patch) {
+  const auto* b = input.find_boundary(patch.name);
+  if (b == nullptr || b->condition != Condition::regulated || !patch.charge_density) return std::nullopt;
+  return *patch.charge_density / b->site.density;
+}
+
 void add_patch(const Case& input, const Analysis& analysis, const PatchResult& patch, json& report) {
   const auto units = units_of(input.electrolyte);
   auto& force = report["forces"][patch.name];
@@ -67,6 +74,7 @@ void add_patch(const Case& input, const Analysis& analysis, const PatchResult& p
   report["charges"][patch.name] = number_json(patch.charge);
   report["charge_densities"][patch.name] = number_json(patch.charge_density);
   report["mean_potentials"][patch.name] = patch.mean_potential;
+  if (const auto share = charged_share(input, patch)) report["charged_sites"][patch.name] = *share;
   report["areas"][patch.name] = patch.area;
   if (patch.electrode != nullptr)
     report["layers"][patch.name] = {{"thickness", patch.layer.thickness},
@@ -116,7 +124,9 @@ json report_of(const Domain& domain, const Case& input, const Solution& solution
   report["excess_energy"] = analysis.energy ? json(analysis.energy->excess) : json(nullptr);
   report["free_energy"] = nullptr;
   if (const auto& free = analysis.free_energy)
-    report["free_energy"] = {{"fixed_potential", free->fixed_potential}, {"fixed_charge", free->fixed_charge}};
+    report["free_energy"] = {{"fixed_potential", free->fixed_potential},
+                             {"fixed_charge", free->fixed_charge},
+                             {"as_stated", free->as_stated}};
   report["units"] = {{"force_newton", units.force}, {"potential_volt", units.potential}};
   report["units"]["length_meter"] = units.length ? json(*units.length) : json(nullptr);
   for (const auto& step : solution.steps)
@@ -191,8 +201,11 @@ void describe_patch(const Case& input, const Analysis& analysis, const PatchResu
                                 beside_error(input, best.error, best.no_error, best.of_box),
                                 beside_charge(input, patch, best)));
   }
-  if (patch.charge)
-    lines.push_back(fmt::format("  charge    {:.9g}, mean density {:.9g}", *patch.charge, *patch.charge_density));
+  if (patch.charge) {
+    const auto share = charged_share(input, patch);
+    lines.push_back(fmt::format("  charge    {:.9g}, mean density {:.9g}{}", *patch.charge, *patch.charge_density,
+                                share ? fmt::format(", {:.4g} of the sites charged", *share) : ""));
+  }
   for (const auto& line :
        {shown("surface", patch.surface, units.force), shown("recovered", patch.surface_recovered, units.force),
         shown("reaction", patch.surface_reaction, units.force), shown("volume", patch.volume, units.force),
@@ -219,8 +232,8 @@ std::vector<std::string> describe_results(const Case& input, const Analysis& ana
                     (input.plate ? fmt::format(", less that of the plate profile {:.10g}", analysis.energy->excess)
                                  : std::string()));
   if (const auto& free = analysis.free_energy)
-    lines.push_back(fmt::format("free energy {:.10g} at fixed potential, {:.10g} at fixed charge",
-                                free->fixed_potential, free->fixed_charge));
+    lines.push_back(fmt::format("free energy {:.10g} at fixed potential, {:.10g} at fixed charge, {:.10g} as stated",
+                                free->fixed_potential, free->fixed_charge, free->as_stated));
   if (estimate.norm_squared > 0)
     lines.push_back(fmt::format("estimated error of the gradient {:.4e}, relative {:.4e}, sum e_K^2 / |E|^2 = {:.4e}",
                                 std::sqrt(estimate.total_squared),
@@ -252,6 +265,8 @@ std::vector<std::string> describe_layers(const Case& input, const Analysis& anal
     const auto* boundary = input.find_boundary(patch.name);
     if (layer.is_lost)
       line += "; its charge, the force on it and the energy are not given";
+    else if (boundary->condition == Condition::regulated)
+      line += "; its charge and its potential may be off";
     else if (boundary->condition == Condition::charge)
       line += "; its charge is given, its potential may be too low";
     else
