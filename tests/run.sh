@@ -25,16 +25,16 @@ case ${1:-} in
 esac
 
 "$root/scripts/setup.sh" --tests
-# Every output is flushed to the disk, and so is, by ext4, each damaged file that replaces another: the readers of these waited ten times
-# as long as they computed.
+# Tests write to a folder of their own, in memory if that can be: every output is flushed to the disk, and so is, by ext4, each damaged
+# file that replaces another, so that the readers of these waited ten times as long as they computed. Open MPI keeps what it holds of its
+# jobs there, too: version 5 starts none where a job that was killed and had the same process id has left its folder.
 spare_kilobytes() { (df --output=avail -k /dev/shm | tail -1 && awk '/^MemAvailable:/ { print $2 }' /proc/meminfo) | sort -n | head -1; }
-memory=
-if [ -z "${TMPDIR:-}" ] && [ -w /dev/shm ] && [ "$(spare_kilobytes)" -ge 8000000 ]; then
-  memory=$(mktemp -d /dev/shm/pamr-tests.XXXXXX)
-  export TMPDIR=$memory
-fi
+place=${TMPDIR:-/tmp}
+if [ -z "${TMPDIR:-}" ] && [ -w /dev/shm ] && [ "$(spare_kilobytes)" -ge 8000000 ]; then place=/dev/shm; fi
+TMPDIR=$(mktemp -d "$place/pamr-tests.XXXXXX")
+export TMPDIR PRTE_MCA_prte_tmpdir_base=$TMPDIR
+trap 'rm -rf "$TMPDIR"' EXIT
 # Open MPI 4.1 removes the folder of a user's jobs when it is empty: a job that starts at that moment fails (orte/util/session_dir.c).
-jobs=${TMPDIR:-/tmp}/ompi.$(uname -n).$(id -u)
-trap 'rmdir "$jobs/tests" 2>/dev/null || true; rm -rf ${memory:+"$memory"}' EXIT
+jobs=$TMPDIR/ompi.$(uname -n).$(id -u)
 (umask 077 && mkdir -p "$jobs/tests")
 ctest --test-dir "$build" --parallel $((3 * $(nproc))) --output-on-failure --no-label-summary --no-tests=error "${level[@]}" "$@"
