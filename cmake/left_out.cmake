@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # What this build does not have, which the end of the configuration and --version of the tools name.
 
-# pamr_left_out(what why): such as "pamr-pb" and "Debian: petsc-dev pkg-config".
+# pamr_left_out(what why): such as "pamr-pb" and "Debian: petsc-dev pkgconf".
 function(pamr_left_out what why)
   set_property(GLOBAL APPEND PROPERTY PAMR_LEFT_OUT "${what} (${why})")
 endfunction()

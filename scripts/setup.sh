@@ -33,7 +33,7 @@ packages=(
 )
 declare -A packages_of=(
   [pamr-dsmc]="librandom123-dev"          # random numbers
-  [pamr-pb]="petsc-dev pkg-config"        # PETSc with real numbers (brings hypre)
+  [pamr-pb]="petsc-dev pkgconf"           # PETSc with real numbers (brings hypre)
   [pamr-surface]="libopenmesh-dev libeigen3-dev"  # surface meshes
   # STEP and IGES files, which all tools that read surfaces take if it is there
   [cad]="libocct-data-exchange-dev libocct-modeling-algorithms-dev libocct-modeling-data-dev libocct-foundation-dev"

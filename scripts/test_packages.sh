@@ -64,7 +64,7 @@ if ls "$packages"/pamr-doc_*.deb >/dev/null 2>&1; then
   check manual
 fi
 if ls "$packages"/libpamr-dev_*.deb >/dev/null 2>&1; then
-  install '/tmp/packages/libpamr-dev_*.deb' cmake g++ make pkg-config
+  install '/tmp/packages/libpamr-dev_*.deb' cmake g++ make pkgconf
   check library
 fi
 inside sh -c 'apt-get -q -y purge pamr libpamr-dev python3-pamr pamr-doc; test ! -e /usr/bin/pamr-refine' >>"$packages/apt.log" 2>&1
