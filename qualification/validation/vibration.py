@@ -96,7 +96,7 @@ def cone_case(stream, vibration):
     text = CONE.read_text()
     gas = (ROOT / "cases/species.toml").read_text()
     text = text[text.index("[gas]\n"):].replace('species_file = "../species.toml"\n', "")
-    changes = {"weight = 4e11": "weight = 1.2e12", "sampling = 1000": "transient = 600\nsampling = 1200\nblock = 40", **STREAMS[stream]}
+    changes = {"weight = 4e11": "weight = 2e12", "sampling = 1000": "transient = 400\nsampling = 600\nblock = 20", **STREAMS[stream]}
     if vibration:
         changes["[gas]\n"] = "[gas]\nvibration = true\n"
     for old, new in changes.items():
@@ -116,7 +116,7 @@ def level_1():
     text = CONE.read_text()
     (runs.OUT / "mesh.toml").write_text(text[:text.index("# Nitrogen of the wind tunnel")])
     tool("pamr-mesh", "mesh.toml", "-o", "level0.hdf", "--force", "--quiet", ranks=1)
-    (runs.OUT / "case0.toml").write_text(cone_case("tunnel", False).replace("sampling = 1200", "sampling = 600"))
+    (runs.OUT / "case0.toml").write_text(cone_case("tunnel", False).replace("sampling = 600", "sampling = 200"))
     tool("pamr-dsmc", "case0.toml", "--mesh", "level0.hdf", "-o", "flow0.hdf", "--force", "--quiet")
     return refined("flow0.hdf", "level1.hdf", "--size-over", "lambda", "--ratio", "1", "--only-where", "n:above:1.1718e21",
                    "--max-cells", "45000")
