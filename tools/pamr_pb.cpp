@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -21,7 +22,7 @@
 #include "solvers/poisson_boltzmann/fem/spread_cells.hpp"
 #include "solvers/poisson_boltzmann/problem/case_names.hpp"
 #include "solvers/poisson_boltzmann/report/electrode_file.hpp"
-#include "solvers/poisson_boltzmann/report/level_table.hpp"
+#include "solvers/poisson_boltzmann/report/level_plot.hpp"
 #include "solvers/poisson_boltzmann/report/pb_report.hpp"
 
 namespace {
@@ -30,7 +31,7 @@ using namespace pamr;
 namespace pb = poisson_boltzmann;
 
 struct Options {
-  std::string case_file, mesh, output, start, surface, history, petsc, balance = "scotch";
+  std::string case_file, mesh, output, start, surface, history, plot, petsc, balance = "scotch";
   int format = io::newest_format;
   std::int64_t max_cells = 100'000'000;
   int levels = 0;
@@ -54,6 +55,7 @@ void declare(cli::CommandLine& line, Options& o) {
               "with --levels: end where the error bar of every goal is at most this part of its value")
       .positive();
   line.option("--history", o.history, "values, error bars and cells of each level").type_name("FILE.csv");
+  line.option("--plot", o.plot, "the same as a picture: values with error bars over cells").type_name("FILE.svg");
   line.option("--petsc", o.petsc, "options for PETSc, after those of the case: \"-pc_type hypre -ksp_monitor\"")
       .type_name("OPTIONS");
   line.option("--balance", o.balance, "how the cells, and with them the unknowns, are spread over the ranks")
@@ -198,6 +200,7 @@ void write_level(Run& run, const mesh::DistMesh& mesh) {
   run.session.step("writing " + o.output);
   io::write_native(comm, o.output, mesh, {.format = o.format, .remark = run.session.remarks()});
   if (!o.history.empty()) cli::write_whole(comm, o.history, pb::levels_csv(run.levels));
+  if (!o.plot.empty()) cli::write_whole(comm, o.plot, pb::levels_svg(run.levels));
   run.timer.lap("write");
 }
 
@@ -233,8 +236,10 @@ cli::ExitCode run(cli::Session& session, const Options& o) {
   const auto text = session.read_case(o.case_file);
   session.check_input(o.mesh);
   session.check_native_output(o.output, o.force);
-  for (const auto& file : {o.surface, o.history})
+  for (const auto& file : {o.surface, o.history, o.plot})
     if (!file.empty()) session.check_output(file, o.force);
+  if (!o.plot.empty() && std::filesystem::path(o.plot).extension() != ".svg")
+    throw Error(fmt::format("--plot: expected a file that ends in .svg, found \"{}\"", o.plot));
   StepTimer timer;
   const auto stated = pb::read_case(text, o.case_file);
   if (o.tolerance > 0 && (o.levels == 0 || stated.estimator.goals.empty()))

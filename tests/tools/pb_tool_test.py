@@ -5,6 +5,7 @@ import pathlib
 import shutil
 import subprocess
 import sys
+from xml.etree import ElementTree
 
 import h5py
 import numpy as np
@@ -123,12 +124,14 @@ def test_the_loop_brings_the_charge_of_an_octant_nearer():
     assert errors[1] < 0.6 * errors[0] and errors[2] < 0.6 * errors[1], errors
 
     # One command gives the same levels.
-    result = run("pamr-pb", case, "--mesh", "level0.hdf", "-o", "out.hdf", "--levels", "2", "--history", "levels.csv",
+    result = run("pamr-pb", case, "--mesh", "level0.hdf", "-o", "out.hdf", "--levels", "2", "--history", "levels.csv", "--plot", "levels.svg",
                  "--json", "-")
     levels = result.json["levels"]
     assert [level["cells"] for level in levels] == [cells for cells, _ in by_hand], (levels, by_hand)
     rows = [line.split(",") for line in pathlib.Path("levels.csv").read_text().splitlines()]
     assert rows[0] == ["level", "cells", "unknowns", "of", "quantity", "value", "error"]
+    drawn = ElementTree.parse("levels.svg").getroot().iter("{http://www.w3.org/2000/svg}circle")
+    assert len(list(drawn)) == len(rows) - 1, rows
     for number, (level, (cells, best)) in enumerate(zip(levels, by_hand)):
         charge = [q for q in level["quantities"] if q["quantity"] == "charge"]
         assert len(charge) == 1 and charge[0]["of"] == "sphere"
@@ -152,6 +155,7 @@ def test_levels_end_at_a_tolerance_and_at_a_number_of_cells():
                  "--force", "--json", "-")
     assert result.json["levels"][-1]["cells"] <= few, (few, result.json["levels"])
     assert "over 1e-06 of its value" in result.err and "is the last" in result.err, result.err
+    refuses("pamr-pb", case, "--mesh", "level0.hdf", "-o", "no.hdf", "--plot", "no.png", says=["--plot", ".svg", "no.png"], creates="no.hdf")
     refuses("pamr-pb", case, "--mesh", "level0.hdf", "-o", "no.hdf", "--tolerance", "0.1", says=["--tolerance", "--levels"], creates="no.hdf")
     without = pathlib.Path("without.toml")
     without.write_text(pathlib.Path(case).read_text().split("[estimator]")[0] + pathlib.Path(case).read_text().split('"sphere"\n', 1)[1])

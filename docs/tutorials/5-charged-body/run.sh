@@ -7,12 +7,9 @@ set -euo pipefail
 if [ ! -e body.stl ]; then awk -f "$here/make_body.awk" -f "$here/../closed_body.awk" >body.stl; fi
 cp "$here/case.toml" .
 step pamr-mesh case.toml -o mesh.hdf --force
-step mpirun -n 2 pamr-pb case.toml --mesh mesh.hdf -o level0.hdf --force
-for level in 1 2; do
-  step mpirun -n 2 pamr-mark "level$((level - 1)).hdf" -o marked.hdf --bulk-of goal_error:0.5 --max-cells 80000 --force
-  step mpirun -n 2 pamr-refine marked.hdf -o mesh.hdf --force
-  step mpirun -n 2 pamr-pb case.toml --mesh mesh.hdf -o "level$level.hdf" --start potential --force
-done
-step pamr-quality level2.hdf --gate inverted_cells:max:0
-picture potential.png level0.hdf level2.hdf --label "First mesh" --label "Refined for the force" --cut y=0.1 --field potential \
+step mpirun -n 2 pamr-pb case.toml --mesh mesh.hdf -o first.hdf --force
+step mpirun -n 2 pamr-pb case.toml --mesh first.hdf -o refined.hdf --start potential --levels 2 --max-cells 80000 \
+  --plot levels.svg --force
+step pamr-quality refined.hdf --gate inverted_cells:max:0
+picture potential.png first.hdf refined.hdf --label "First mesh" --label "Refined for the force" --cut y=0.1 --field potential \
   --isolines 8 --edges --size 1500x720

@@ -22,7 +22,8 @@ const LevelValue* find_value(const std::vector<LevelValue>& values, const LevelV
   return found == values.end() ? nullptr : &*found;
 }
 
-/// The quantities that any level has a value of, in the order in which they are met first.
+}  // namespace
+
 std::vector<LevelValue> all_quantities(const std::vector<Level>& levels) {
   std::vector<LevelValue> all;
   for (const auto& level : levels)
@@ -30,8 +31,6 @@ std::vector<LevelValue> all_quantities(const std::vector<Level>& levels) {
       if (find_value(all, value) == nullptr) all.push_back(value);
   return all;
 }
-
-}  // namespace
 
 Level level_of(const Domain& domain, const Case& input, const Analysis& analysis) {
   const auto& info = domain.mesh->info;

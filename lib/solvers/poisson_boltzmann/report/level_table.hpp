@@ -33,6 +33,9 @@ Level level_of(const Domain& domain, const Case& input, const Analysis& analysis
 /// Whether the error bar of every goal is there and at most `tolerance` of its value; false without goals. Local.
 bool meets(const Level& level, double tolerance);
 
+/// The quantities that any level has a value of, in the order in which they are met first. Local.
+std::vector<LevelValue> all_quantities(const std::vector<Level>& levels);
+
 /// A table for each quantity: level, cells, value with error bar. `levels` is not empty. Local.
 std::vector<std::string> describe_levels(const std::vector<Level>& levels);
 /// level,cells,unknowns,of,quantity,value,error: a line for each level and quantity; no error where none is known.
