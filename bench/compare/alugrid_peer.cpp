@@ -25,6 +25,8 @@ class AluGrid : public peer::DunePeer<Grid> {
     DunePeer::mark(flags);
   }
 
+  static int coarsening_calls() { return 3; }
+
   /// Marks what the last call has made of the marked cells, until they have been bisected three times.
   bool mark_more() {
     if (++calls_ == 3) return false;

@@ -82,6 +82,7 @@ class DunePeer {
     grid_->postAdapt();
   }
   bool mark_more() { return false; }
+  static int coarsening_calls() { return 1; }
   bool relate() { return false; }
 
  protected:

@@ -70,6 +70,7 @@ class Netgen {
     return true;
   }
   bool mark_more() { return false; }
+  static int coarsening_calls() { return 1; }
 
  private:
   std::unique_ptr<netgen::Mesh> mesh_;

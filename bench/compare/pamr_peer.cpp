@@ -53,6 +53,7 @@ class Pamr {
     mesh_ = adapt::adapt(comm_, std::move(mesh_), flags_, options).mesh;
   }
   bool mark_more() { return false; }
+  static int coarsening_calls() { return 1; }
   bool relate() { return false; }
 
  private:

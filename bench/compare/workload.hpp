@@ -34,6 +34,7 @@
 ///                                  keep; not timed. Empty: split all
 ///   refine()                       the timed call
 ///   mark_more()                    marks for another call that the same work takes; false when there is none
+///   coarsening_calls()             that it takes to take back what one call has split
 ///   relate()                       the code's way to the cells on both sides of a face, where `refine` does not
 ///                                  include it: true when it did something
 namespace peer {
@@ -259,8 +260,8 @@ template <class Peer>
 double meet_front(Peer& peer, double x, double size, int& calls) {
   double cpu = 0;
   for (calls = 0; calls < 40; ++calls) {
-    const auto flags = flags_at_front(peer, x, size, calls == 0);
-    if (calls > 0 && std::count(flags.begin(), flags.end(), 1) == 0) break;
+    const auto flags = flags_at_front(peer, x, size, calls < peer.coarsening_calls());
+    if (calls >= peer.coarsening_calls() && std::count(flags.begin(), flags.end(), 1) == 0) break;
     peer.mark(flags);
     cpu += measured([&] { peer.refine(); });
   }
