@@ -166,5 +166,30 @@ class Assessment(unittest.TestCase):
         other = dict(zip(rows.REFINE_HEAD, list(rows.refine_rows(ours, [pair], entries, "sphere"))[1]))
         self.assertEqual(other["theirs / ours: a cell out"], "(20)")
 
+    def test_rows_of_the_wall_tell_the_first_call_from_the_others(self):
+        def levels(peer, cells):
+            shape = {"worst": 0.4, "low": 0.5, "wall_nodes": 9, "off": 3, "farthest": 0.1, "volume": measure.HOLE_VOLUME}
+            return {n: {"peer": peer, "cells": cells, "peak": 1e5, "cpu": 1.0, **shape} for n in (1, 2)}
+
+        ours = levels("PAMR", 1000)
+        pair = measure.Pair("other", levels("other 1", 2000), {1: 2.0, 2: 12.0}, {1: 0.6, 2: 0.1}, 20.0, 1, 1.5)
+        entries = {"other": {"algorithm": "red", "surface": "nobody"}}
+        found = dict(zip(rows.WALL_HEAD, list(rows.wall_rows(ours, [pair], entries))[1]))
+        self.assertEqual((found["CPU s of all levels"], found["ours, in turn"]), ("14", "0.7"))
+        self.assertEqual(found["theirs / ours: a cell out"], "10")
+        self.assertEqual(found["the same from level 2 on"], "60")
+        self.assertEqual((found["off it"], found["volume, relative error"]), ("3", "0"))
+
+    def test_rows_of_the_front_add_up_the_steps(self):
+        def steps(peer, cells, gone):
+            row = {"peer": peer, "cells": cells, "split": gone, "calls": 2, "peak": 2e5, "worst": 0.4, "low": 0.5}
+            return {n: {**row, "cpu": 0.5} for n in (1, 2)}
+
+        ours = steps("PAMR", 1000, 100)
+        pair = measure.Pair("other", steps("other 1", 2000, 50), {1: 3.0, 2: 5.0}, {1: 0.5, 2: 0.5}, 20.0, 1, 1.5)
+        found = dict(zip(rows.FRONT_HEAD, list(rows.front_rows(ours, [pair], {"other": {"algorithm": "red"}}))[1]))
+        self.assertEqual((found["steps"], found["calls"], found["CPU s"]), ("2", "4", "8"))
+        self.assertEqual((found["theirs / ours: a cell out"], found["a cell gone"]), ("4", "16"))
+
 
 unittest.main(argv=sys.argv[:1])
