@@ -27,7 +27,6 @@ def install(folder, kind):
     """Builds and installs it, and moves it to another place; returns that."""
     build, made, prefix = (os.path.join(folder, name) for name in ("build", f"made {kind}", kind))
     run(CMAKE, "--preset", "refiner", "-S", SOURCE, "-B", build, f"-DCMAKE_CXX_COMPILER={COMPILER}",
-        "-DCMAKE_CXX_FLAGS_RELEASE=-O1",  # nothing here takes long but compiling
         f"-DBUILD_SHARED_LIBS={'ON' if kind == 'shared' else 'OFF'}")
     log = run(CMAKE, "--build", build, "--parallel", JOBS)
     if kind == "shared":
