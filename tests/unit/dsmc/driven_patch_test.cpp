@@ -181,7 +181,8 @@ double transmission(double accommodation) {
     setup.patch[side] = {Kind::diffuse, temperature};
     setup.patch[side].accommodation = accommodation;
   }
-  setup.patch[xmin] = {Kind::inflow, 0, {}, 1, 1, 1, 1, 0};
+  setup.patch[xmin] = {Kind::inflow};
+  setup.patch[xmin].stream = 0;
   setup.patch[xmax] = {Kind::outflow};
   setup.dt = 1e-3;
   Flow flow(comm, mesh, setup);

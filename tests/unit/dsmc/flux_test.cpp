@@ -236,7 +236,7 @@ TEST(Balance, HoldsWithStreamsWallsMirrorsUnlikeStepsAndWeights) {
 
 TEST(Balance, NamesWhatIsMissing) {
   const std::vector<std::int64_t> nothing(2 * FluxTally::words_of_row, 0);
-  const GasContents gas{{10}, {WideSum{1 << 20, 0}, {}, {}}, {0, 1}, {}, {}};
+  const GasContents gas{{10}, {WideSum{1 << 20, 0}, {}, {}}, {0, 1}, {}, {}, {}};
   GasBalance balance;
   balance.add(gas, gas, nothing, 1, 0);
   EXPECT_TRUE(balance.holds());

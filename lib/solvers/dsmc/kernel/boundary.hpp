@@ -32,12 +32,12 @@ struct BoundaryCondition {
   double normal_accommodation = 1;       ///< cll: of the normal energy
   double tangential_accommodation = 1;   ///< cll: of the tangential momentum
   double rotational_accommodation = 1;   ///< cll: of the rotational energy
-  double vibrational_accommodation = 1;  ///< cll: of vibration, the part of molecules that take the wall's temperature
   int stream = -1;                       ///< inflow, inlet: index of the stream
   int partner = -1;                      ///< periodic: index of the other patch
   double pressure = 0;                   ///< outlet: Pa
   double mass_flow = 0;                  ///< inlet: kg/s through the patch; 0: as the pressure of the stream says
   double relaxation = 100;               ///< inlet, outlet: steps over which what passes the patch is averaged
+  double vibrational_accommodation = 1;  ///< cll: of vibration: part of the molecules that take the wall's temperature
 
   bool is_wall() const { return kind == Kind::diffuse || kind == Kind::specular || kind == Kind::cll; }
   bool is_driven() const { return kind == Kind::inlet || kind == Kind::outlet; }

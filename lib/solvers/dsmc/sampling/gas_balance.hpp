@@ -17,8 +17,8 @@ struct GasContents {
   std::vector<std::int64_t> n;  ///< of each species; empty: not known
   std::array<WideSum, 3> momentum{};
   WideSum translation, rotation;
-  WideSum deficit;                   ///< energy that cells owe to collisions of unlike weights
-  std::optional<WideSum> vibration;  ///< none: nothing vibrates
+  WideSum deficit;                        ///< energy that cells owe to collisions of unlike weights
+  std::optional<WideSum> vibration = {};  ///< none: nothing vibrates
 };
 
 /// Whether what is in the gas changed by what passed the patches. In particles, which keep their weight when they go
