@@ -23,6 +23,10 @@ constexpr int max_iterations = 200;
 /// than these, and so on. Source: M. R. Hestenes, E. Stiefel, J. Res. Nat. Bur. Standards 49 (1952), theorem 6:1.
 constexpr std::size_t n_last = 5;
 
+/// What fourth order has over second in front of a flat wall, for a layer of unit thickness and a cell of unit height:
+/// the energies of the parts h^4 u""/1680 and h^2 u"/12 of Legendre polynomials, with u"" = k^2 u" by the equation.
+const double fourth_over_second = std::sqrt(20.0 / 6) * 12 / 1680;
+
 constexpr std::size_t entry_of(std::size_t i, std::size_t j) { return i * (i + 1) / 2 + j; }
 
 }  // namespace
@@ -219,6 +223,26 @@ std::vector<double> CubicCorrection::cell_energy(std::span<const double> x) cons
   return result;
 }
 
+double CubicCorrection::fourth_of(std::size_t cell, std::span<const double> x) const {
+  const auto& domain = problem_.domain;
+  const auto shape = domain.shape(cell);
+  const auto points = domain.points(cell);
+  geometry::Vec3 gradient;
+  double slope = 0;
+  for (std::size_t k = 0; k < 4; ++k) {
+    const auto node = at(functions_.cell_to_function[cell][k]);
+    gradient += x[node] * shape.gradient[k];
+    slope = std::max(slope, problem_.term.slope(u_[node], problem_.split_potential(domain.point[node].z)));
+  }
+  double low = HUGE_VAL, high = -HUGE_VAL;
+  for (const auto& point : points) {
+    low = std::min(low, dot(gradient, point));
+    high = std::max(high, dot(gradient, point));
+  }
+  const double squared = squared_norm(gradient), height = high - low;
+  return squared > 0 ? fourth_over_second * slope * height * height / squared : 0;
+}
+
 std::vector<double> CubicCorrection::decay_of(const par::Comm& comm, std::span<const double> x) const {
   std::vector<double> second(problem_.domain.point.size(), 0), third(second.size(), 0);
   for (std::size_t c = 0; c < block_.size(); ++c) {
@@ -240,12 +264,14 @@ std::vector<double> CubicCorrection::decay_of(const par::Comm& comm, std::span<c
   problem_.domain.nodes.sum_copies(comm, third);
   std::vector<double> result(block_.size());
   for (std::size_t c = 0; c < result.size(); ++c) {
+    const double fourth = fourth_of(c, x);
     double below = 0, above = 0;
     for (std::size_t k = 0; k < 4; ++k) {
       below += second[at(functions_.cell_to_function[c][k])];
       above += third[at(functions_.cell_to_function[c][k])];
     }
-    result[c] = above < below ? std::sqrt(above / below) : 1;
+    const double ratio = above < below ? std::sqrt(above / below) : 1;
+    result[c] = std::max(ratio, ratio > 0 ? fourth / ratio : 0);
   }
   return result;
 }

@@ -30,7 +30,9 @@ class CubicCorrection {
   int iterations() const { return iterations_; }
   /// n_cells: how fast the orders of the solution fall off around a cell, the surplus of third order over that of
   /// second, in energy norms over all cells at its corners; that of order p is what the functions of p add to those
-  /// below. Further orders are taken to fall off alike: for smooth functions on small cells they do so faster.
+  /// below. Further orders are taken to fall off alike: for smooth functions on small cells they do so faster. Where a
+  /// function is even about the cell, as between two walls of like potential, third order has next to nothing and fourth
+  /// goes on from second: the ratio is then what the equation makes of second order in fourth, over third.
   const std::vector<double>& decay() const { return decay_; }
 
   /// e_K^2, the energy norm of e on each cell. `residual_squared` is 0: e has all of it. Collective: one reduction.
@@ -67,6 +69,8 @@ class CubicCorrection {
   double product_of(std::size_t cell, const OfCubicCell<double>& a, const OfCubicCell<double>& b) const;
   OfCubicCell<double> of_cell(std::size_t cell, std::span<const double> x) const;
   std::vector<double> decay_of(const par::Comm& comm, std::span<const double> x) const;
+  /// Fourth order over second on a cell by the equation, along the gradient of x.
+  double fourth_of(std::size_t cell, std::span<const double> x) const;
   void add_curvature(const par::Comm& comm, CubicGoalError& to) const;
   /// What the curvature of the source term, and of the charges of sites, adds to a cell.
   std::vector<double> of_curvature(std::span<const double> dual) const;

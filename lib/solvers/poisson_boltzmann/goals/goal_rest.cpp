@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solvers/poisson_boltzmann/goals/goal_rest.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -8,7 +9,7 @@
 
 namespace pamr::poisson_boltzmann {
 
-double further_orders(double ratio) { return ratio < 0.5 ? ratio / (1 - ratio) : 1; }
+double further_orders(double ratio) { return ratio < 0.5 ? ratio / (1 - ratio) : std::max(1.0, ratio); }
 
 void GoalRest::add_square(std::size_t cell, double value, double decay) {
   const double rest = further_orders(decay * decay);

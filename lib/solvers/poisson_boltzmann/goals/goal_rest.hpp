@@ -9,7 +9,7 @@
 namespace pamr::poisson_boltzmann {
 
 /// What all further orders add up to, over the last one, if each is `ratio` times the one before: ratio + ratio^2 + ...
-/// At most 1: as large as the last one.
+/// At most 1, as large as the last one, or `ratio` itself where that is larger: what only one further order has.
 double further_orders(double ratio);
 
 /// What is left of a goal's error after the correction by functions of third order.
