@@ -8,6 +8,7 @@
 # OPENFOAM=FOLDER names a folder into which the packages openfoam and libopenfoam were unpacked (dpkg -x); otherwise
 # dsmcFoam is looked for in PATH. Exit code 1 if dsmcFoam is faster. Processor time of dsmcFoam: its whole run of STEPS steps less a run of one step.
 set -euo pipefail
+python=${PAMR_PYTHON:-python3}
 build=${1:?compare-dsmc.sh: expected the build folder}
 cubes=${2:-11} steps=${3:-50}
 if [ -n "${OPENFOAM:-}" ]; then
@@ -29,7 +30,7 @@ fi
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 "$build/bin/pamr-mesh" --shape kuhn-cube --n "$cubes" -o "$folder/box.hdf" --quiet
-python3 - "$folder" "$density" "$weight" <<'PY'
+"$python" - "$folder" "$density" "$weight" <<'PY'
 import pathlib, sys
 import h5py
 import numpy as np
@@ -86,7 +87,7 @@ LarsenBorgnakkeVariableHardSphereCoeffs {{ Tref 273; relaxationCollisionNumber 5
 InflowBoundaryModel none;
 typeIdList (N2);
 moleculeProperties {{ N2 {{ mass 46.5e-27; diameter 4.17e-10; internalDegreesOfFreedom 2; omega 0.74; }} }}""")
-foam("system/dsmcInitializeDict", "dictionary", "dsmcInitializeDict",
+foam("system/dsmcInitialiseDict", "dictionary", "dsmcInitialiseDict",
      f"numberDensities {{ N2 {density}; }}\ntemperature 300;\nvelocity (0 0 0);")
 foam("system/fvSchemes", "dictionary", "fvSchemes", """ddtSchemes { default Euler; } gradSchemes { default Gauss linear; }
 divSchemes { default none; } laplacianSchemes { default Gauss linear corrected; }
@@ -97,24 +98,24 @@ control() { # STEPS: the run as far as that
   cat >"$folder/system/controlDict" <<TEXT
 FoamFile { version 2.0; format ascii; class dictionary; object controlDict; }
 application dsmcFoam; startFrom startTime; startTime 0; stopAt endTime; deltaT $dt;
-endTime $(python3 -c "print(repr($dt * $1))"); writeControl timeStep; writeInterval 1000000; writeFormat binary;
+endTime $("$python" -c "print(repr($dt * $1))"); writeControl timeStep; writeInterval 1000000; writeFormat binary;
 writePrecision 10; timePrecision 12; runTimeModifiable no; functions {}
 TEXT
 }
 cpu() { # COMMAND...: user and system seconds of it
-  python3 -c 'import resource, subprocess, sys
+  "$python" -c 'import resource, subprocess, sys
 done = subprocess.run(sys.argv[2:], stdout=open(sys.argv[1], "w"), stderr=subprocess.STDOUT)
 used = resource.getrusage(resource.RUSAGE_CHILDREN)
 print(used.ru_utime + used.ru_stime)
 sys.exit(done.returncode)' "$folder/log" "$@" || { tail -20 "$folder/log" >&2; return 1; }
 }
 control 1
-cpu dsmcInitialize -case "$folder" >/dev/null
+cpu dsmcInitialise -case "$folder" >/dev/null
 short=$(cpu dsmcFoam -case "$folder")
 control $((steps + 1))
 long=$(cpu dsmcFoam -case "$folder")
 grep -E 'Number of dsmc particles|Collisions' "$folder/log" | tail -2
-python3 - "$rate" "$short" "$long" "$steps" "$(sed -n 's/.*Number of dsmc particles *= *//p' "$folder/log" | tail -1)" <<'PY'
+"$python" - "$rate" "$short" "$long" "$steps" "$(sed -n 's/.*Number of dsmc particles *= *//p' "$folder/log" | tail -1)" <<'PY'
 import sys
 ours, short, long, steps, particles = map(float, sys.argv[1:])
 theirs = particles * steps / (long - short) * 1e-6
