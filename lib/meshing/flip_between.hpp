@@ -14,7 +14,7 @@ namespace pamr::meshing {
 ///   that the poorest one is best; or it goes to the other side and is flipped away there, where that is better.
 ///
 /// Pre: boundary nodes lie on their pieces. Local, deterministic. Yields the number of cells that were mended; the poor
-/// ones that are left are for `improve` to judge.
+/// ones that are left are for `improve`.
 int flip_between(const Domain& domain, RawMesh& mesh);
 
 }  // namespace pamr::meshing
