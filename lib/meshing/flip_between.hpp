@@ -13,8 +13,8 @@ namespace pamr::meshing {
 ///   circle) is flipped away: its edge inside goes, and the cells around that edge are made anew from the same nodes, such
 ///   that the poorest one is best; or it goes to the other side and is flipped away there, where that is better.
 ///
-/// Pre: boundary nodes lie on their pieces. Local, deterministic. Yields the number of cells that were mended; the poor
-/// ones that are left are for `improve`.
+/// Pre: boundary nodes lie on their pieces. Local, deterministic. Yields the number of cells that were mended; `improve`
+/// refuses poor ones that are left.
 int flip_between(const Domain& domain, RawMesh& mesh);
 
 }  // namespace pamr::meshing
