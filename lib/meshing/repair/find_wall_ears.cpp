@@ -9,6 +9,7 @@
 #include "pamr/base/index.hpp"
 #include "pamr/geometry/surface.hpp"
 #include "pamr/mesh/borders.hpp"
+#include "pamr/mesh/inner_patches.hpp"
 #include "pamr/mesh/periodic_patches.hpp"
 #include "pamr/mesh/tet.hpp"
 #include "pamr/par/exchange.hpp"
@@ -61,21 +62,26 @@ std::array<LocalId, 3> nodes_of_face(const mesh::DistMesh& mesh, LocalId cell, s
   return {node[at(corner[0])], node[at(corner[1])], node[at(corner[2])]};
 }
 
-/// Calls `visit(cell, slot)` for the faces in the boundary, or for those inside, each once on this rank.
+/// Calls `visit(cell, slot, patch)` for each face with a patch, in the boundary or inside, once on all ranks; or for each
+/// one without, once on this rank, `patch` being `inner_face`.
 template <class Visit>
-void for_each_face(const mesh::DistMesh& mesh, bool in_boundary, Visit&& visit) {
+void for_each_face(const mesh::DistMesh& mesh, bool has_patch, Visit&& visit) {
+  const mesh::InnerPatches inner(mesh);
   for (LocalId c = 0; c < mesh.n_cells(); ++c)
     for (std::size_t slot = 0; slot < 4; ++slot) {
       const auto next = mesh.cell_to_cell[at(c)][slot];
-      if (in_boundary ? next < 0 : next > c) visit(c, slot);
+      const mesh::CellFace face{c, static_cast<int>(slot)};
+      const int patch = inner.of_any(face);
+      if (has_patch != (patch != inner_face)) continue;
+      if (next < 0 || (has_patch ? inner.is_first_side(face) : next > c)) visit(c, slot, patch);
     }
 }
 
 /// The walls that each node lies on, as bits (walls beyond 64 share bits: this is a first filter). Collective.
 std::vector<std::uint64_t> walls_of_nodes(const par::Comm& comm, const mesh::DistMesh& mesh, const Walls& walls) {
   std::vector<std::uint64_t> bits(at(mesh.n_nodes()), 0);
-  for_each_face(mesh, true, [&](LocalId c, std::size_t slot) {
-    const int wall = walls.of_patch[at(mesh::slot_to_patch(mesh.cell_to_cell[at(c)][slot]))];
+  for_each_face(mesh, true, [&](LocalId c, std::size_t slot, int patch) {
+    const int wall = walls.of_patch[at(patch)];
     if (wall < 0) return;
     for (const auto node : nodes_of_face(mesh, c, slot)) bits[at(node)] |= std::uint64_t{1} << (at(wall) % 64);
   });
@@ -85,7 +91,8 @@ std::vector<std::uint64_t> walls_of_nodes(const par::Comm& comm, const mesh::Dis
   return bits;
 }
 
-/// For the edges asked about: whether they lie in the boundary, which of its faces take no new nodes, and in which walls.
+/// For the edges asked about: whether they lie in a patch, whether one of its faces takes no new nodes, and in which
+/// walls they lie.
 class EdgeTable {
  public:
   EdgeTable(const par::Comm& comm, const mesh::DistMesh& mesh, const Walls& walls, std::vector<Edge> asked)
@@ -95,8 +102,7 @@ class EdgeTable {
     std::sort(ends.begin(), ends.end());
     std::vector<std::uint8_t> is_end;
     for (const auto id : mesh.node_global) is_end.push_back(std::binary_search(ends.begin(), ends.end(), id) ? 1 : 0);
-    for_each_face(mesh, true, [&](LocalId c, std::size_t slot) {
-      const auto patch = mesh::slot_to_patch(mesh.cell_to_cell[at(c)][slot]);
+    for_each_face(mesh, true, [&](LocalId c, std::size_t slot, int patch) {
       const auto wall = walls.of_patch[at(patch)];
       const auto node = nodes_of_face(mesh, c, slot);
       for (std::size_t k = 0; k < 3; ++k) {
@@ -112,7 +118,7 @@ class EdgeTable {
     comm.sum_in_place(flag_);
   }
 
-  bool is_in_boundary(Edge edge) const { return flag_[*find(edge) * width_] > 0; }
+  bool is_in_patch(Edge edge) const { return flag_[*find(edge) * width_] > 0; }
   bool takes_nodes(Edge edge) const { return flag_[*find(edge) * width_ + 1] == 0; }
   bool is_in_wall(Edge edge, std::size_t wall) const { return flag_[*find(edge) * width_ + first_wall + wall] > 0; }
 
@@ -163,7 +169,7 @@ std::optional<Found> classify(const mesh::DistMesh& mesh, const Walls& walls, co
           !is_smooth(*walls.curved[wall], mesh.point(face.node[k]), mesh.point(face.node[i]), mesh.point(face.node[j])))
         continue;
       const auto opposite = edge_of(id[i], id[j]);
-      if (is_inner ? !table.is_in_boundary(opposite) : table.takes_nodes(opposite)) found.edge = opposite;
+      if (is_inner ? !table.is_in_patch(opposite) : table.takes_nodes(opposite)) found.edge = opposite;
       return found;
     }
   }
@@ -195,10 +201,10 @@ WallEars find_wall_ears(const par::Comm& comm, const mesh::DistMesh& mesh) {
     for (std::size_t k = 0; k < 3; ++k)
       asked.push_back(edge_of(mesh.node_global[at(node[k])], mesh.node_global[at(node[(k + 1) % 3])]));
   };
-  for_each_face(mesh, false, [&](LocalId c, std::size_t slot) { look_at({nodes_of_face(mesh, c, slot)}); });
-  for_each_face(mesh, true, [&](LocalId c, std::size_t slot) {
-    look_at({nodes_of_face(mesh, c, slot), mesh::slot_to_patch(mesh.cell_to_cell[at(c)][slot])});
-  });
+  for (const bool has_patch : {false, true})
+    for_each_face(mesh, has_patch, [&](LocalId c, std::size_t slot, int patch) {
+      look_at({nodes_of_face(mesh, c, slot), patch});
+    });
   sort_unique(asked);
   asked = gather_few(comm, std::move(asked));
   sort_unique(asked);

@@ -3,11 +3,17 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <iterator>
 #include <string>
+#include <vector>
 
 #include "meshing/repair/find_wall_ears.hpp"
 #include "meshing/repair/open_wall_ears.hpp"
 #include "pamr/geometry/tet_shape.hpp"
+#include "pamr/mesh/inner_patches.hpp"
+#include "pamr/mesh/tet.hpp"
 #include "pamr/validate/validate.hpp"
 #include "support/meshes.hpp"
 
@@ -72,6 +78,51 @@ TEST(WallEars, TheEdgeThatFourEarsShareIsSplitAndTheyAreGone) {
   EXPECT_EQ(find_wall_ears(comm, opened).count(), 0);
   EXPECT_EQ(opened.find_cell_field("region")->integer(),
             std::vector<std::int64_t>(static_cast<std::size_t>(opened.n_cells()), 7));
+}
+
+/// The octahedron with a cell on each of its faces, which are a patch inside, on a sphere.
+mesh::DistMesh octahedron_inside(const par::Comm& comm) {
+  std::vector<geometry::Vec3> point{{1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
+  std::vector<std::array<GlobalId, 4>> cell{{0, 1, 5, 4}, {1, 2, 5, 4}, {2, 3, 5, 4}, {3, 0, 5, 4}};
+  for (const GlobalId pole : {4, 5})
+    for (GlobalId k = 0; k < 4; ++k) {
+      const GlobalId next = (k + 1) % 4, top = std::ssize(point);
+      point.push_back(point[at(k)] + point[at(next)] + point[at(pole)]);
+      cell.push_back({pole == 4 ? k : next, pole == 4 ? next : k, pole, top});
+    }
+  auto block = test::small_mesh(comm, point, cell);
+  block.info.surfaces = test::surfaces_of(sphere);
+  block.info.patches = {{"wall", "patch", -1}, {"ball", "patch", 0}};
+  auto mesh = assemble::assemble(comm, std::move(block));
+  auto& word = mesh::make_inner_patches(mesh);
+  for (LocalId c = 0; c < mesh.n_cells(); ++c)
+    for (int slot = 0; slot < 4; ++slot) {
+      int n_poles = 0, n_on_sphere = 0;
+      for (const auto corner : mesh::tet::face_to_corner[at(slot)]) {
+        const auto p = mesh.points(c)[at(corner)];
+        n_on_sphere += norm(p) == 1 ? 1 : 0;
+        n_poles += std::abs(p.z) == 1 && p.x == 0 ? 1 : 0;
+      }
+      if (n_on_sphere == 3 && n_poles == 1) word[at(c)] = mesh::with_inner_patch(word[at(c)], slot, 1);
+    }
+  return mesh;
+}
+
+TEST(WallEars, ACurvedPatchInsideHasThemToo) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  auto mesh = octahedron_inside(comm);
+  ASSERT_TRUE(validate::validate(comm, mesh).empty());
+
+  const auto ears = find_wall_ears(comm, mesh);
+  const auto opened = open_wall_ears(comm, std::move(mesh), ears);
+
+  EXPECT_EQ(ears.n_inside, 4);
+  EXPECT_EQ(ears.n_at_rims, 0);
+  EXPECT_EQ(ears.edge, (std::vector<std::array<GlobalId, 2>>{{4, 5}}));
+  EXPECT_EQ(opened.info.n_global_cells, 16);
+  EXPECT_TRUE(validate::validate(comm, opened).empty());
+  EXPECT_EQ(find_wall_ears(comm, opened).count(), 0);
+  EXPECT_EQ(mesh::count_inner_faces(comm, opened), (std::vector<std::int64_t>{0, 8}));
 }
 
 TEST(WallEars, AFaceWithAllItsEdgesOnTheWallIsSplitItself) {
