@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Speed and memory of one refinement, the refine call alone, on the workloads that the peers were measured on
 // (docs/reports/performance.md): W1 all of K(55) split 1:8; W2 a shell of K(56) with closure; W3 five levels of the
-// cells cut by a sphere in K(14); and `limit`, which writes the same bytes a cell without any logic. The sizes of 20
+// cells cut by a sphere in K(14); W1-tagged and W2-tagged: W1 and W2 (policy 3, removable) with a tenth of the faces
+// inside in a patch; and `limit`, which writes the same bytes a cell without any logic. The sizes of 20
 // are for a quick look. Run alone or under mpirun; the first rank prints. Rates are of all ranks together; CPU seconds
 // are summed over the ranks.
 #include <benchmark/benchmark.h>
@@ -58,6 +59,20 @@ void uniform(benchmark::State& state) {
   const auto before = bench::resident_bytes();
   const auto mesh = bench::cube(*world, static_cast<int>(state.range(0)));
   run(state, mesh, std::vector<std::uint8_t>(static_cast<std::size_t>(mesh.n_cells()), 1), before);
+}
+
+void uniform_tagged(benchmark::State& state) {
+  const auto before = bench::resident_bytes();
+  auto mesh = bench::cube(*world, static_cast<int>(state.range(0)));
+  bench::tag_planes(mesh, static_cast<int>(state.range(0)));
+  run(state, mesh, std::vector<std::uint8_t>(static_cast<std::size_t>(mesh.n_cells()), 1), before);
+}
+
+void shell_tagged(benchmark::State& state) {
+  const auto before = bench::resident_bytes();
+  auto mesh = bench::cube(*world, static_cast<int>(state.range(0)));
+  bench::tag_planes(mesh, static_cast<int>(state.range(0)));
+  run(state, mesh, bench::mark_shell(mesh, 0.35, 0.06), before);
 }
 
 void shell(benchmark::State& state) {
@@ -151,6 +166,22 @@ BENCHMARK(shell)
     ->Name("W2")
     ->ArgsProduct({{20, 56}, {0, 3}})
     ->ArgNames({"n", "policy"})
+    ->UseManualTime()
+    ->Iterations(1)
+    ->Repetitions(5)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK(uniform_tagged)
+    ->Name("W1-tagged")
+    ->Arg(20)
+    ->Arg(55)
+    ->UseManualTime()
+    ->Iterations(1)
+    ->Repetitions(5)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK(shell_tagged)
+    ->Name("W2-tagged")
+    ->Arg(20)
+    ->Arg(56)
     ->UseManualTime()
     ->Iterations(1)
     ->Repetitions(5)

@@ -8,7 +8,10 @@
 
 #include "pamr/assemble/assemble.hpp"
 #include "pamr/assemble/kuhn_cube.hpp"
+#include "pamr/base/index.hpp"
 #include "pamr/base/memory.hpp"
+#include "pamr/mesh/inner_patches.hpp"
+#include "pamr/mesh/tet.hpp"
 
 namespace pamr::bench {
 
@@ -35,6 +38,23 @@ std::size_t status_value(const std::string& key) {
 }  // namespace
 
 mesh::DistMesh cube(const par::Comm& comm, int n) { return assemble::assemble(comm, assemble::kuhn_cube(comm, n)); }
+
+void tag_planes(mesh::DistMesh& mesh, int n) {
+  const int patch = static_cast<int>(mesh.info.patches.size());
+  mesh.info.patches.push_back({"planes", "patch", -1});
+  auto& word = mesh::make_inner_patches(mesh);
+  for (LocalId c = 0; c < mesh.n_cells(); ++c) {
+    const auto points = mesh.points(c);
+    for (int slot = 0; slot < 4; ++slot) {
+      if (mesh.cell_to_cell[at(c)][at(slot)] < 0) continue;
+      const auto& corner = mesh::tet::face_to_corner[at(slot)];
+      const double z = points[at(corner[0])].z;
+      const auto is_in_plane = [&](int k) { return points[at(k)].z == z; };
+      if (std::all_of(corner.begin(), corner.end(), is_in_plane) && std::lround(z * n) % 5 < 3)
+        word[at(c)] = mesh::with_inner_patch(word[at(c)], slot, patch);
+    }
+  }
+}
 
 std::vector<std::uint8_t> mark_shell(const mesh::DistMesh& mesh, double radius, double width) {
   std::vector<std::uint8_t> flags(static_cast<std::size_t>(mesh.n_cells()));
