@@ -15,17 +15,18 @@ from bounds import all_within  # noqa: E402
 
 out, levels = pathlib.Path(sys.argv[1]), int(sys.argv[2])
 RADIUS, AREA = 0.5, 0.8
+NAMES = ("ball", "sheet", "assembly")
 
 
 def quality(name, level):
     return json.loads((out / f"{name}{level}.json").read_text())
 
 
-def volume_of_ball(level):
-    with h5py.File(out / f"ball-1/level{level}.hdf") as file:
+def volume_of(name, region, level):
+    with h5py.File(out / f"{name}-1/level{level}.hdf") as file:
         points = file["VTKHDF/Points"][:]
         cells = file["VTKHDF/Connectivity"][:].reshape(-1, 4)
-        cells = cells[file["VTKHDF/CellData/region"][:] == 21]
+        cells = cells[file["VTKHDF/CellData/region"][:] == region]
     edges = points[cells[:, 1:]] - points[cells[:, :1]]
     return math.fsum(np.abs(np.linalg.det(edges)) / 6)
 
@@ -77,19 +78,38 @@ def off_of_gas():
     return max(abs(f - e) / b for _, e, f, b in rows), max(b / abs(e) for w, e, _, b in rows if w.startswith("front"))
 
 
-exact = 4 / 3 * math.pi * RADIUS ** 3
-errors = [abs(volume_of_ball(level) / exact - 1) for level in range(levels + 1)]
-print("ball: level, cells, error of its volume\n" + "\n".join(
-    f"  {level} {quality('ball', level)['cells']:8} {error:.3e}" for level, error in enumerate(errors)))
+def errors_of_ball(name, region):
+    """Relative errors of its volume, by level."""
+    exact = 4 / 3 * math.pi * RADIUS ** 3
+    errors = [abs(volume_of(name, region, level) / exact - 1) for level in range(levels + 1)]
+    print(f"{name}: level, cells, error of the ball's volume\n" + "\n".join(
+        f"  {level} {quality(name, level)['cells']:8} {error:.3e}" for level, error in enumerate(errors)))
+    return errors
+
+
+def falls(errors):
+    return min(a / b for a, b in zip(errors, errors[1:]))
+
+
+errors = errors_of_ball("ball", 21)
+in_assembly = errors_of_ball("assembly", 2)
+assembled = [quality("assembly", level) for level in range(levels + 1)]
+contact = [abs(mesh["patches"]["solid_1_solid_3"]["area"] / (math.pi * 0.4 ** 2) - 1) for mesh in assembled]
+print("assembly: error of the area between box and can\n  " + " ".join(f"{error:.3e}" for error in contact))
 off, chance = off_of_gas()
 in_zone = int(re.search(r"sheet\s*{.*?List<label>\s*(\d+)", (out / "foam/constant/polyMesh/faceZones").read_text(), re.DOTALL)[1])
 sheets = [quality("sheet", level)["patches"]["sheet"] for level in range(levels + 1)]
 measured = {
-    "min_fall_of_the_ball_error": min(a / b for a, b in zip(errors, errors[1:])),
-    "interface_off_surface": max(quality("ball", level)["patches"]["interface"]["off_surface_nodes"] for level in range(levels + 1)),
+    "min_fall_of_the_ball_error": falls(errors),
+    "min_fall_in_the_assembly": min(falls(in_assembly), falls(contact)),
+    "box_and_ball_of_the_assembly_off": max(abs(mesh["regions"]["solid_1"]["volume"] + mesh["regions"]["solid_2"]["volume"] - 8)
+                                            for mesh in assembled),
+    "interface_off_surface": max(sum(patch["off_surface_nodes"] for patch in quality(name, level)["patches"].values())
+                                 for name in NAMES for level in range(levels + 1)),
+    "min_mean_ratio_of_the_assembly": min(mesh["mean_ratio"]["min"] for mesh in assembled),
     "area_of_the_sheet_off": max(abs(sheet["area"] / AREA - 1) for sheet in sheets),
-    "same_bytes": sum(same(name, file) for name in ("ball", "sheet") for file in [f"level{k}" for k in range(levels + 1)] + ["back"]),
-    "come_back": sum(comes_back(name) for name in ("ball", "sheet")),
+    "same_bytes": sum(same(name, file) for name in NAMES for file in [f"level{k}" for k in range(levels + 1)] + ["back"]),
+    "come_back": sum(comes_back(name) for name in NAMES),
     "gas_off_over_bound": off,
     "gas_bound": chance,
     "faces_in_the_zone_of_openfoam_off": abs(in_zone - sheets[-1]["faces"]),

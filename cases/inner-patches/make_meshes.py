@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
 """make_meshes.py OUT: ball.msh, a ball of radius 0.5 m in a box of 2 m, two regions with the surface between them as a group; sheet.msh,
-a box of 2 m with a rectangle of 1 x 0.8 m inside, in one region. Numbers of groups are not those that Gmsh would give."""
+a box of 2 m with a rectangle of 1 x 0.8 m inside, in one region; assembly.step, three solids: a box of 2 mm, a ball of radius 0.5 mm
+inside, and a can of radius 0.4 mm that stands on the box. Numbers of groups are not those that Gmsh would give."""
 import pathlib
 import sys
 
@@ -52,4 +53,11 @@ group(2, [tag for tag in sides if tag not in lid], 3, "sides")
 size(0.25)
 model.mesh.generate(3)
 gmsh.write(str(out / "sheet.msh"))
+
+model.add("assembly")
+occ.addBox(-1, -1, -1, 2, 2, 2)
+occ.addSphere(0, 0, 0, 0.5)
+occ.addCylinder(0, 0, 1, 0, 0, 0.8, 0.4)
+occ.synchronize()
+gmsh.write(str(out / "assembly.step"))
 gmsh.finalize()

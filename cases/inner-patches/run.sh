@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Patches inside: a ball of another material in a box, whose interface is curved, and a rectangular sheet in one region, by Gmsh. Both
-# are refined and coarsened back; the sheet is then a thin plate in free-molecular gas, and goes to OpenFOAM, and to dolfinx where it is.
+# Patches inside: a ball of another material in a box, whose interface is curved, and a rectangular sheet in one region, by Gmsh, and
+# an assembly of three solids, from a STEP file. All are refined and coarsened back; the sheet is then a thin plate in free-molecular
+# gas, and goes to OpenFOAM, and to dolfinx where it is.
 #
 #   cases/inner-patches/run.sh [--ranks N] [--levels N] [--picture] [--out FOLDER] [--tools FOLDER]
 #
@@ -22,12 +23,16 @@ levels=3 python=yes
 
 /usr/bin/python3 -B "$case_folder/make_meshes.py" "$out"
 nowhere=(--box 9,9,9,10,10,10 --coarsen-rest)
-# The levels of a mesh, finest last, and the way back, on a number of ranks.
-there_and_back() { # NAME PATCH RANKS
+# The levels of a mesh, finest last, and the way back, on a number of ranks. OPTIONS: of the tool that makes level 0.
+there_and_back() { # NAME PATCH RANKS OPTIONS...
   local folder=$out/$1-$3 level
   mkdir -p "$folder"
   ranks=$3
-  on_ranks pamr-convert "$out/$1.msh" "$folder/level0.hdf" "${@:4}" --force --quiet
+  if [ -e "$out/$1.step" ]; then
+    on_ranks pamr-mesh "$out/$1.step" -o "$folder/level0.hdf" "${@:4}" --force --quiet
+  else
+    on_ranks pamr-convert "$out/$1.msh" "$folder/level0.hdf" "${@:4}" --force --quiet
+  fi
   for ((level = 0; level < levels; ++level)); do
     on_ranks pamr-mark "$folder/level$level.hdf" -o "$folder/marked.hdf" --patch "$2" --force --quiet
     on_ranks pamr-refine "$folder/marked.hdf" -o "$folder/level$((level + 1)).hdf" --force --quiet
@@ -43,10 +48,11 @@ wanted=$ranks
 for some in 1 3 7; do
   there_and_back ball interface "$some" --surfaces "$case_folder/ball.toml"
   there_and_back sheet sheet "$some"
+  there_and_back assembly "solid_1_*" "$some" --size 0.4
 done
 ranks=$wanted
 for ((level = 0; level <= levels; ++level)); do
-  for name in ball sheet; do
+  for name in ball sheet assembly; do
     pamr-quality "$out/$name-1/level$level.hdf" --json "$out/$name$level.json" --quiet
   done
 done
@@ -60,6 +66,8 @@ else
 fi
 draw ball.png pamr-picture "$out/ball-1/level0.hdf" "$out/ball-1/level$levels.hdf" --label "Level 0" --label "Level $levels" --cut y=0 \
   --field region --edges --size 1500x760
+draw assembly.png pamr-picture "$out/assembly-1/level0.hdf" "$out/assembly-1/level$levels.hdf" --label "Level 0" --label "Level $levels" \
+  --cut y=0 --field region --edges --size 1500x860
 draw sheet.png pamr-picture "$out/sheet-1/level0.hdf" "$out/sheet-1/level2.hdf" --label "Level 0" --label "Level 2" --cut y=0 --edges \
   --size 1500x760
 draw gas.png pamr-picture "$out/gas.hdf" --cut y=0 --field n --size 900x760
