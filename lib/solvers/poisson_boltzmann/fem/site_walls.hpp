@@ -8,8 +8,8 @@
 #include "solvers/poisson_boltzmann/fem/petsc.hpp"
 #include "solvers/poisson_boltzmann/fem/problem.hpp"
 
-/// The terms that walls with sites, whose charge follows from the potential, add to the equation. They are lumped at the
-/// nodes of flat faces, as given charges are, and taken by points of curved ones.
+/// The terms that walls with sites, whose charge follows from the potential, add to the equation. They are lumped at
+/// the nodes of flat faces, as given charges are, and taken by points of curved ones.
 namespace pamr::poisson_boltzmann {
 
 /// A point of such a wall.

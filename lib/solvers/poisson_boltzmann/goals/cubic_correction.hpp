@@ -31,8 +31,8 @@ class CubicCorrection {
   /// n_cells: how fast the orders of the solution fall off around a cell, the surplus of third order over that of
   /// second, in energy norms over all cells at its corners; that of order p is what the functions of p add to those
   /// below. Further orders are taken to fall off alike: for smooth functions on small cells they do so faster. Where a
-  /// function is even about the cell, as between two walls of like potential, third order has next to nothing and fourth
-  /// goes on from second: the ratio is then what the equation makes of second order in fourth, over third.
+  /// function is even about the cell, as between two walls of like potential, third order has next to nothing and
+  /// fourth goes on from second: the ratio is then what the equation makes of second order in fourth, over third.
   const std::vector<double>& decay() const { return decay_; }
 
   /// e_K^2, the energy norm of e on each cell. `residual_squared` is 0: e has all of it. Collective: one reduction.

@@ -40,8 +40,8 @@ struct GoalError {
   /// weighted with w. For marking; their sum is far above the error.
   std::vector<double> share;
   /// Estimate of J(u) - J(u_h) with its sign, to first order: the integral of (G* - grad u_h) . (W* - grad w_h) and
-  /// what nodal quadrature adds, that of walls with sites included, on the meshed part. For a charge by nodal reactions, whose w is 1 on the patch and
-  /// which is the residual with w, it is that with the other sign.
+  /// what nodal quadrature adds, that of walls with sites included, on the meshed part. For a charge by nodal
+  /// reactions, whose w is 1 on the patch and which is the residual with w, it is that with the other sign.
   double correction = 0;
 };
 struct GoalInput {

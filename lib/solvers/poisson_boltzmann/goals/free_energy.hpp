@@ -9,7 +9,8 @@ namespace pamr::poisson_boltzmann {
 
 /// Free energies of the meshed part, dimensionless as `Energy`, including the energy beyond walls of the far field as
 /// the condition there estimates it. The force on a body is minus the derivative by its place: of the first while
-/// potentials are held, of the second while charges are, of the third while all walls keep their conditions. Source: K. A. Sharp, B. Honig, J. Phys. Chem. 94 (1990).
+/// potentials are held, of the second while charges are, of the third while all walls keep their conditions. Source: K.
+/// A. Sharp, B. Honig, J. Phys. Chem. 94 (1990).
 struct FreeEnergy {
   double fixed_potential = 0;  ///< minus the energy
   double fixed_charge = 0;     ///< that and the integral of charge times potential over all walls

@@ -10,8 +10,8 @@ namespace pamr::poisson_boltzmann {
 
 namespace {
 
-/// Potentials that the patches would have as flat walls alone in the liquid, by their charges; 0 where they have none. A
-/// charge makes such a potential when its layer is resolved; the solution tells less where it is not.
+/// Potentials that the patches would have as flat walls alone in the liquid, by their charges; 0 where they have none.
+/// A charge makes such a potential when its layer is resolved; the solution tells less where it is not.
 std::vector<double> potentials_of_charges(const Problem& problem) {
   std::vector<double> result;
   for (const auto& patch : problem.domain.mesh->info.patches) {

@@ -36,8 +36,8 @@ std::vector<double> quadratic_charge_derivative(const par::Comm& comm, const Sta
 std::vector<double> quadratic_charge_remainder(const State& state, const GoalFunctional& goal);
 
 /// As `shape_error`, for what curved faces miss of their surfaces, with the gradients of third order. What is left is
-/// added to `dual.rest`: the errors of these gradients, the square of the distance times the wave number of the gap, and
-/// `charge_at_edges`. Collective: an exact sum.
+/// added to `dual.rest`: the errors of these gradients, the square of the distance times the wave number of the gap,
+/// and `charge_at_edges`. Collective: an exact sum.
 double quadratic_shape_error(const par::Comm& comm, const State& state, const GoalFunctional& functional,
                              CubicGoalError& dual);
 

@@ -6,9 +6,9 @@
 #include "pamr/geometry/surface.hpp"
 #include "solvers/poisson_boltzmann/goals/functionals.hpp"
 
-/// The error of a goal from replacing curved surfaces by faces of the mesh, for elements of both orders: the derivative of
-/// the functional with respect to the shape (J. Hadamard, 1908). With the normal n into the liquid and the wall moved
-/// by d along it, the residual of the equation changes by
+/// The error of a goal from replacing curved surfaces by faces of the mesh, for elements of both orders: the derivative
+/// of the functional with respect to the shape (J. Hadamard, 1908). With the normal n into the liquid and the wall
+/// moved by d along it, the residual of the equation changes by
 ///
 ///     potential given:  -d psi_n w_n                                     (the potential moves along with the wall)
 ///     charge given:     -d [grad_t psi . grad_t w + sinh(psi) w] - sigma w s
@@ -55,8 +55,8 @@ double shape_change(const Problem& problem, const Goal& goal, const Boundary& bo
                     WallShift shift);
 
 /// Bounds the second-order part of the error of the shape relative to the first-order part: at most distance times wave
-/// number of the gap between a face and its surface. Both are root mean squares over points of the face; the wave number
-/// is the slope of the gap over its depth.
+/// number of the gap between a face and its surface. Both are root mean squares over points of the face; the wave
+/// number is the slope of the gap over its depth.
 class GapWave {
  public:
   void add(const Domain& domain, const geometry::Surface& surface, const WallPlace& place, double distance);
@@ -67,9 +67,9 @@ class GapWave {
 };
 
 /// Size of what charges of walls miss at the edges of their patches, where the surface goes on beyond the straight or
-/// curved edges of the mesh or ends before them: the sum of charge, dual solution w (n_nodes) and width, without signs. On
-/// patches of sites whose charge is the goal (`counted`, bit p for patch p) w is less by 1.
-/// 0 where the walls meet at right angles. Collective: a few reductions.
+/// curved edges of the mesh or ends before them: the sum of charge, dual solution w (n_nodes) and width, without signs.
+/// On patches of sites whose charge is the goal (`counted`, bit p for patch p) w is less by 1. 0 where the walls meet
+/// at right angles. Collective: a few reductions.
 double charge_at_edges(const par::Comm& comm, const State& state, std::uint64_t counted, std::span<const double> w);
 
 }  // namespace pamr::poisson_boltzmann

@@ -138,8 +138,9 @@ std::optional<double> debye_lengths_in(std::string_view unit, const Electrolyte&
 /// Reads a case file (docs/tools/pamr-pb.md); tables of other tools are ignored. `where` is the file's name. Local.
 /// Throws `Error`
 /// - with file, line and column for TOML errors, unknown keys, wrong types and values out of range;
-/// - for ions whose charges do not add up to 0, a plate in a salt that is not Z:Z, spheres that overlap or touch the plate, and lengths that contradict each other;
-/// - for potentials beyond `largest_potential`, or charges that make such;
+/// - for ions whose charges do not add up to 0, a plate in a salt that is not Z:Z, spheres that overlap or touch the
+///   plate, and lengths that contradict each other;
+/// - for potentials beyond `largest_potential`, or charges or sites that make such;
 /// - when no patch has a given potential or charge.
 Case read_case(std::string_view text, const std::string& where);
 
