@@ -12,8 +12,8 @@ namespace pamr::bench {
 /// Unit cube of n^3 cubes of 6 tetrahedra, in blocks over the ranks. Collective.
 mesh::DistMesh cube(const par::Comm& comm, int n);
 
-/// Makes a tenth of the faces inside of `cube(n)` a patch of their own: the planes between the layers of cubes, three of
-/// five. Local.
+/// Makes a tenth of the faces inside of `cube(n)` a patch of their own: the planes between the layers of cubes, three
+/// of five. Local.
 void tag_planes(mesh::DistMesh& mesh, int n);
 
 /// Cells whose centroid lies within `width` of the sphere of radius `radius` about the middle of the unit cube. Local.

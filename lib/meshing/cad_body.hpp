@@ -18,8 +18,8 @@ namespace pamr::meshing {
 
 /// A closed CAD shape as one surface with an inside: nearest points are those of the faces, sides those of triangles on
 /// them. Its pieces are the faces; its lines are the edges between faces. The solids of an assembly
-/// (`geometry::CadAssembly`) may share faces: inside is what lies in any of them, and distances are those from the faces
-/// between them, too.
+/// (`geometry::CadAssembly`) may share faces: inside is what lies in any of them, and distances are those from the
+/// faces between them, too.
 class CadBody final : public geometry::Surface, public DividedSurface {
  public:
   /// `longest_error`: how far the triangles may lie off the faces, length units. Throws `Error` for a shape that is not

@@ -55,8 +55,8 @@ class Ring {
     return next.at(ring.node_.back()) == ring.node_.front() ? std::optional(std::move(ring)) : std::nullopt;
   }
 
-  /// The new cells of which the poorest is best, and its mean ratio. Every triangulation of the ring's nodes gives some:
-  /// two cells for each triangle.
+  /// The new cells of which the poorest is best, and its mean ratio. Every triangulation of the ring's nodes gives
+  /// some: two cells for each triangle.
   std::pair<double, std::vector<Cell>> best(const RawMesh& mesh) const {
     constexpr double infinite = std::numeric_limits<double>::infinity();
     const auto n = node_.size();

@@ -14,8 +14,8 @@ namespace pamr::meshing {
 /// Places are looked at when they are first asked for; what is answered depends on no earlier question. For one thread.
 class InsideGrid {
  public:
-  /// `region`: of a point in the solid, where faces divide it, from 0 on. Pre: the distances from all surfaces are exact
-  /// (`is_exact_for`).
+  /// `region`: of a point in the solid, where faces divide it, from 0 on. Pre: the distances from all surfaces are
+  /// exact (`is_exact_for`).
   explicit InsideGrid(
       std::shared_ptr<const Solid> solid, std::function<int(geometry::Vec3)> region = [](geometry::Vec3) { return 0; });
 

@@ -37,9 +37,9 @@ namespace {
 
 constexpr double thin_factor = 1.5;  // longest edges over the thickness that need no word
 
-/// A factor of sizes, 0.97 to 1.03, that has no symmetry. Equal edges at a corner of two regions would put four nodes of
-/// the plane between them on one circle: they make a flat cell, whose middle may be far away and outside, so that CGAL
-/// takes its faces for a boundary and refines them until rounding ends it.
+/// A factor of sizes, 0.97 to 1.03, that has no symmetry. Equal edges at a corner of two regions would put four nodes
+/// of the plane between them on one circle: they make a flat cell, whose middle may be far away and outside, so that
+/// CGAL takes its faces for a boundary and refines them until rounding ends it.
 double unevenness(const Domain& domain, geometry::Vec3 p) {
   if (domain.regions.empty()) return 1;
   const auto q = (1 / domain.radius) * (p - domain.center);
@@ -88,8 +88,8 @@ RawMesh mesh_domain(const Domain& domain, unsigned seed, const Listener& listene
 }
 
 /// The mesh that begins with points on the closed pieces instead of with balls along the curves, where it would not:
-/// between the circles of a pipe with a ball in it the balls' cells are so flat that refinement piles up nodes in places.
-/// Nothing where that does not help.
+/// between the circles of a pipe with a ball in it the balls' cells are so flat that refinement piles up nodes in
+/// places. Nothing where that does not help.
 std::optional<RawMesh> mesh_from_points(Domain domain, unsigned seed, const Listener& listener) {
   if (domain.points_first || domain.curves.empty()) return std::nullopt;
   if (std::all_of(domain.pieces.begin(), domain.pieces.end(), [](const auto& piece) { return piece.start.empty(); }))

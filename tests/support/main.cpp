@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /// Main function of every test program. On several ranks `--serial=FILE` leaves out the tests of that source, and
-/// `--leave-out=PATTERN` those of these names. MPI is called directly here, so that the verdict does not rest on the code
-/// under test.
+/// `--leave-out=PATTERN` those of these names. MPI is called directly here, so that the verdict does not rest on the
+/// code under test.
 #include <gtest/gtest.h>
 #include <mpi.h>
 

@@ -35,8 +35,8 @@ struct ChildAnswer {
 ChildAnswer in_child(const std::function<std::string()>& work, ChildLimits limits);
 
 /// Has a file of HDF5 or CAD read by a child; other files are not looked at. `fuses_solids`: it fuses the solids of a
-/// CAD file, too, if there are several; solids that cannot be fused are not wrong yet, since some may be chosen. Returns what is wrong with it: what the
-/// reader says of it, or how the child ended. Empty: nothing. Local.
+/// CAD file, too, if there are several; solids that cannot be fused are not wrong yet, since some may be chosen.
+/// Returns what is wrong with it: what the reader says of it, or how the child ended. Empty: nothing. Local.
 std::string check_in_child(const std::string& file, bool fuses_solids = false);
 
 /// Errors of files, by the files' names.

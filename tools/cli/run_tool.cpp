@@ -146,7 +146,8 @@ int run_tool(int argc, char** argv, const ToolInfo& info, const std::function<vo
       {info.name, [] { return std::string(io::complete_outputs()); }, clean_up, hide_step, announce_abort});
   end_well_on_interrupt(info.name, runtime.rank() == 0, runtime.size() > 1);
   tell_of_crash(info.name);
-  // A file beyond `ulimit -f`, and a reader of standard output that has left, are errors of the write, which names them.
+  // A file beyond `ulimit -f`, and a reader of standard output that has left, are errors of the write, which names
+  // them.
   for (const int signal : {SIGXFSZ, SIGPIPE}) std::signal(signal, SIG_IGN);
 
   const auto ending = run(runtime, argc, argv, info, declare, work, bad_files);

@@ -30,11 +30,12 @@ struct ToolInfo {
 ///
 /// Exit codes: what `work` returned; 2 for bad usage and for `pamr::Error`; 3 for any other exception. An error is
 /// printed once, by one rank, on standard error as `<name>: error: <text>`. Nothing hangs: when the other ranks do not
-/// end too (30 s after an `Error`, 3 s after another exception), this rank prints its error and ends them all. Ranks that
-/// are started with different arguments, in different folders or from different versions all end with one error.
+/// end too (30 s after an `Error`, 3 s after another exception), this rank prints its error and ends them all. Ranks
+/// that are started with different arguments, in different folders or from different versions all end with one error.
 /// SIGINT, SIGTERM, SIGHUP and SIGUSR1 remove what is unfinished (`Session::check_output`), say so, and end the process
 /// with exit code 6, unless all ranks have ended their work: then they change nothing, and a crash of MPI or another
-/// library while it ends is a warning. A summary that cannot be written is an error. So `work` lets exceptions pass; they are the way to end early.
+/// library while it ends is a warning. A summary that cannot be written is an error. So `work` lets exceptions pass;
+/// they are the way to end early.
 ///
 /// A whole tool (`#include "cli/run_tool.hpp"`; link `pamr_cli`):
 ///

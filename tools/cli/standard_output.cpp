@@ -43,15 +43,15 @@ void wait_for_errors(std::chrono::steady_clock::time_point latest) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
 }
 
-/// Standard output is a terminal of the launcher, which does not say how much of it has been read. But the system counts the
-/// bytes that the launcher reads, of any file; what has been written is read once as many have been added.
+/// Standard output is a terminal of the launcher, which does not say how much of it has been read. But the system
+/// counts the bytes that the launcher reads, of any file; what has been written is read once as many have been added.
 class OutputReader {
  public:
   /// Called before something is written.
   void begin() { n_before_ = n_read(); }
 
-  /// Waits until this many bytes have been read since then, but no longer than until `latest`. Where the system does not
-  /// count, or the launcher is not the parent of this process, the wait is 10 ms.
+  /// Waits until this many bytes have been read since then, but no longer than until `latest`. Where the system does
+  /// not count, or the launcher is not the parent of this process, the wait is 10 ms.
   void wait_for(std::size_t n_bytes, std::chrono::steady_clock::time_point latest) {
     const auto enough_to_see_one = std::chrono::steady_clock::now() + std::chrono::seconds(1);
     while (n_before_ && std::chrono::steady_clock::now() < latest) {
@@ -71,8 +71,8 @@ class OutputReader {
   std::optional<std::uint64_t> n_before_;
 };
 
-/// Each piece when all before it has been read. The launcher then hardly ever reads, and holds back, a part of a line; and
-/// where it does, it has read the end before this process writes anything else, to standard error say.
+/// Each piece when all before it has been read. The launcher then hardly ever reads, and holds back, a part of a line;
+/// and where it does, it has read the end before this process writes anything else, to standard error say.
 bool write_in_pieces(std::string_view text) {
   const auto latest = std::chrono::steady_clock::now() + std::chrono::seconds(10);
   wait_for_errors(latest);

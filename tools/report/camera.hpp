@@ -38,8 +38,8 @@ struct Projected {
 
 Projected project(const std::array<geometry::Vec3, 3>& triangle, const Camera& camera);
 
-/// The direction nearest to the usual one in which these triangles cover three tenths of a picture, with z up if there is
-/// one; if there is none at all, the one in which they cover the most. Local; O(triangles), 145 times at most.
+/// The direction nearest to the usual one in which these triangles cover three tenths of a picture, with z up if there
+/// is one; if there is none at all, the one in which they cover the most. Local; O(triangles), 145 times at most.
 Direction covering_direction(const std::vector<std::array<geometry::Vec3, 3>>& triangles, double aspect);
 
 }  // namespace pamr::report

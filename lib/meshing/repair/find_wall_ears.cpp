@@ -62,8 +62,8 @@ std::array<LocalId, 3> nodes_of_face(const mesh::DistMesh& mesh, LocalId cell, s
   return {node[at(corner[0])], node[at(corner[1])], node[at(corner[2])]};
 }
 
-/// Calls `visit(cell, slot, patch)` for each face with a patch, in the boundary or inside, once on all ranks; or for each
-/// one without, once on this rank, `patch` being `inner_face`.
+/// Calls `visit(cell, slot, patch)` for each face with a patch, in the boundary or inside, once on all ranks; or for
+/// each one without, once on this rank, `patch` being `inner_face`.
 template <class Visit>
 void for_each_face(const mesh::DistMesh& mesh, bool has_patch, Visit&& visit) {
   const mesh::InnerPatches inner(mesh);

@@ -15,8 +15,8 @@ namespace pamr::meshing {
 /// With corners a, b, c, d on the wall and faces abc and abd in it, the face acd inside is an ear. When it is refined
 /// the edges from a along the wall lie more and more in one plane, and so does all that is between the ear and the
 /// wall: the children at a lose 0.63 of their mean ratio at every level, wherever new nodes are put. A cell with two
-/// faces on the wall has two ears. A triangle acd of a flat lid with ac and ad on its round rim is the same in the plane.
-/// Patches inside are walls too, seen from both sides.
+/// faces on the wall has two ears. A triangle acd of a flat lid with ac and ad on its round rim is the same in the
+/// plane. Patches inside are walls too, seen from both sides.
 struct WallEars {
   std::vector<std::array<GlobalId, 2>> edge;  ///< edges to split: those opposite the corner a (here cd), ascending
   std::vector<std::array<GlobalId, 3>> face;  ///< ears whose third edge may not be split, ascending
@@ -28,9 +28,9 @@ struct WallEars {
   bool can_be_opened() const { return !edge.empty() || !face.empty(); }
 };
 
-/// Finds them. Walls are patches on a surface that is not flat; two edges count where the surface's normals along
-/// them, next to their common node, agree to 18 degrees. An edge in no patch may be split, at a rim also one between
-/// flat faces. Collective: borders, one exchange, two small gatherings. Cost O(cells) time; every rank gets the faces with
+/// Finds them. Walls are patches on a surface that is not flat; two edges count where the surface's normals along them,
+/// next to their common node, agree to 18 degrees. An edge in no patch may be split, at a rim also one between flat
+/// faces. Collective: borders, one exchange, two small gatherings. Cost O(cells) time; every rank gets the faces with
 /// three nodes on one wall that they do not lie in, which are few.
 WallEars find_wall_ears(const par::Comm& comm, const mesh::DistMesh& mesh);
 

@@ -24,8 +24,8 @@ using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 using Regions = std::array<int, 2>;
 
-/// data/assembly.step: a housing [0, 2]^3, a ball of radius 0.5 about its middle, and twice a peg [0, 1]^3, put at
-/// (2, 0.5, 0.5), where it touches the housing, and at (5, 0, 0). The file is in millimeters but for the peg, which is in
+/// data/assembly.step: a housing [0, 2]^3, a ball of radius 0.5 about its middle, and twice a peg [0, 1]^3, put at (2,
+/// 0.5, 0.5), where it touches the housing, and at (5, 0, 0). The file is in millimeters but for the peg, which is in
 /// centimeters. The peg is green, its face at x = 1 is called tip.
 std::string assembly(const std::string& old_words = {}, const std::string& new_words = {}) {
   auto text = read_cad_source(std::string(PAMR_TEST_DATA) + "/assembly.step").text;

@@ -134,8 +134,8 @@ TEST(CadBody, FindsTheApexOfACone) {
   EXPECT_TRUE(CadBody(model("cube.step"), 0.01).tips().empty());
 }
 
-/// tests/unit/geometry/data/assembly.step: a housing [0, 2]^3, a ball of radius 0.5 in its middle, and pegs of side 1 at
-/// (2, 0.5, 0.5), which touches the housing, and at (5, 0, 0).
+/// tests/unit/geometry/data/assembly.step: a housing [0, 2]^3, a ball of radius 0.5 in its middle, and pegs of side 1
+/// at (2, 0.5, 0.5), which touches the housing, and at (5, 0, 0).
 std::shared_ptr<const geometry::CadModel> assembly() {
   const auto source = geometry::read_cad_source(std::string(PAMR_TEST_DATA) + "/assembly.step");
   return geometry::make_cad_model({"assembly.brep", geometry::make_cad_assembly(source, "mm", {}).text}, "mm", true);

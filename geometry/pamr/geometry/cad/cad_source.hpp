@@ -27,8 +27,9 @@ bool is_cad_file(const std::filesystem::path& file);
 /// not there, has another extension (see `is_cad_file`) or holds control characters.
 CadSource read_cad_source(const std::filesystem::path& file);
 
-/// The shape, coordinates in `unit`: mm, cm, m, um, in or ft. `is_assembly`: the text is that of a `CadAssembly`. Throws `Error` if the text is not sound. OpenCASCADE may
-/// crash on a damaged one: the tools have had it read in a process of its own before.
+/// The shape, coordinates in `unit`: mm, cm, m, um, in or ft. `is_assembly`: the text is that of a `CadAssembly`.
+/// Throws `Error` if the text is not sound. OpenCASCADE may crash on a damaged one: the tools have had it read in a
+/// process of its own before.
 std::shared_ptr<const CadModel> make_cad_model(const CadSource& source, std::string_view unit,
                                                bool is_assembly = false);
 

@@ -143,8 +143,8 @@ std::string sound_name(const Handle(TCollection_HAsciiString) & text) {
   return name == "NONE" || name.starts_with("Open CASCADE STEP translator") ? std::string() : name;
 }
 
-/// The name of the part (product) whose shape has an item in it, empty where there is none. A part may have its solids in
-/// a representation that belongs to the one that it names.
+/// The name of the part (product) whose shape has an item in it, empty where there is none. A part may have its solids
+/// in a representation that belongs to the one that it names.
 std::string part_with(const Interface_Graph& graph, const Handle(Standard_Transient) & item) {
   std::vector<Handle(Standard_Transient)> open{item};
   for (std::size_t i = 0; i < open.size(); ++i) {

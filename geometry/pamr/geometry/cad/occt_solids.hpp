@@ -6,9 +6,9 @@
 
 namespace pamr::geometry {
 
-/// The solids of a shape, the faces that belong to none, and, where that is asked for, which solids are not clear of one
-/// another. Coordinates times `scale`. Cost: of the distance of each pair of solids whose boxes meet, up to the first
-/// few that are not clear.
+/// The solids of a shape, the faces that belong to none, and, where that is asked for, which solids are not clear of
+/// one another. Coordinates times `scale`. Cost: of the distance of each pair of solids whose boxes meet, up to the
+/// first few that are not clear.
 CadSolids solids_of(const OcctShape& read, double scale, bool with_contacts);
 
 /// Middle of the box of a shape, coordinates times `scale`.

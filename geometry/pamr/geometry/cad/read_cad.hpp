@@ -62,8 +62,8 @@ struct CadTriangles {
   CadSolids solids;
 };
 
-/// Triangles not farther from their faces than `deflection` times the size of the shape. `is_assembly`: the text is that
-/// of a `CadAssembly`, whose solids may touch; no contact is looked for. Throws `Error`.
+/// Triangles not farther from their faces than `deflection` times the size of the shape. `is_assembly`: the text is
+/// that of a `CadAssembly`, whose solids may touch; no contact is looked for. Throws `Error`.
 CadTriangles triangulate_cad(std::string_view text, double scale, double deflection, bool is_assembly = false);
 
 /// A face of an assembly.

@@ -13,8 +13,8 @@ namespace pamr::dsmc {
 /// All that is in the gas now, in fixed point, so that it does not depend on the ranks. Collective: one reduction.
 GasContents contents_of(const Flow& flow);
 
-/// Fluxes through patches and planes since the end of the last interval, over all ranks: the words of `FluxTally`, exact.
-/// Collective: one reduction.
+/// Fluxes through patches and planes since the end of the last interval, over all ranks: the words of `FluxTally`,
+/// exact. Collective: one reduction.
 std::vector<std::int64_t> total_fluxes(const par::Comm& comm, const FluxTally& flux);
 
 /// Temperatures of all particles together, about their mean velocity, K.

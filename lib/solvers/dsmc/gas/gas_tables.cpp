@@ -106,8 +106,8 @@ std::vector<double> read_fractions(const TomlTable& table, const Gas& gas) {
   return fraction;
 }
 
-/// Of the species of the standard atmosphere at an altitude, in the order of the gas's species, which have to have all of
-/// it.
+/// Of the species of the standard atmosphere at an altitude, in the order of the gas's species, which have to have all
+/// of it.
 std::vector<double> fractions_of_air(const TomlTable& stream, double altitude, const Gas& gas) {
   const auto air = standard_air(altitude);
   std::vector<double> fraction(gas.species.size(), 0.0);

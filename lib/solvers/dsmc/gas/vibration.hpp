@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <vector>
 
-/// Vibration of molecules: each mode is a harmonic oscillator on one of the levels 0, 1, 2, ... of equal distance. Energy
-/// counts from level 0.
+/// Vibration of molecules: each mode is a harmonic oscillator on one of the levels 0, 1, 2, ... of equal distance.
+/// Energy counts from level 0.
 namespace pamr::dsmc {
 
 inline constexpr std::size_t max_modes = 4;

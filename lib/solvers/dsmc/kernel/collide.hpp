@@ -127,8 +127,8 @@ class Collider {
   void set_vibration_chances(double temperature);
   /// Of a molecule of species a against one of species b, in all.
   double vibration_chance_of(std::size_t a, std::size_t b) const;
-  /// A mode of one of the pair, chosen by `draw` (from 0 to the sum of the chances of both), exchanges with the relative
-  /// motion, which has the energy `motion` (J). Returns what that has afterwards.
+  /// A mode of one of the pair, chosen by `draw` (from 0 to the sum of the chances of both), exchanges with the
+  /// relative motion, which has the energy `motion` (J). Returns what that has afterwards.
   double exchange_vibration(Particles& particles, const Partners& partners, double draw, double motion, Random& random);
 
   const Gas* gas_;

@@ -34,16 +34,15 @@ struct EnteringGas {
 /// 1 / relaxation, and decides what enters in the next step:
 ///
 /// - inlet: gas of its stream, which moves with the net mass flow over area and density. Its pressure is n k T.
-/// - inlet with a mass flow: of each species what came out (averaged) and what the mass flow adds, at the speed at which
-///   a Maxwellian of this density has this net flow.
+/// - inlet with a mass flow: of each species what came out (averaged) and what the mass flow adds, at the speed at
+///   which a Maxwellian of this density has this net flow.
 /// - outlet: gas of the pressure of the condition; temperatures and fractions of the particles in the cells at the
 ///   patch, temperature from the motion along the patch; speed as for an inlet.
 ///
-/// Speeds into the gas are at most that of sound. A Maxwellian on one side and the gas on the other have a pressure that
-/// falls when gas enters faster than on average: waves are damped for every relaxation.
-/// Sums are integers over all ranks, so that the same follows on any ranks.
-/// Source of the speed from the flux of particles: E. Farbar, I. D. Boyd, "Subsonic flow boundary conditions for the
-/// direct simulation Monte Carlo method", Computers and Fluids 102 (2014).
+/// Speeds into the gas are at most that of sound. A Maxwellian on one side and the gas on the other have a pressure
+/// that falls when gas enters faster than on average: waves are damped for every relaxation. Sums are integers over all
+/// ranks, so that the same follows on any ranks. Source of the speed from the flux of particles: E. Farbar, I. D. Boyd,
+/// "Subsonic flow boundary conditions for the direct simulation Monte Carlo method", Computers and Fluids 102 (2014).
 class DrivenPatch {
  public:
   /// Units of the sums, and molecules per particle and second.

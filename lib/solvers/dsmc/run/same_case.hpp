@@ -12,9 +12,9 @@ namespace pamr::dsmc {
 
 /// Everything in a case that shapes particles, random numbers, averages and history of a run, under the names that it
 /// has in the case file; conditions by the patches of the mesh. A checkpoint carries it. Left out is what only says
-/// when the run ends (`sampling`, `stop_error`) or what is read from the averages at the end (stations, lines, planes of points),
-/// and the length of blocks, which `Averaging::resume` compares. The same on any number of ranks. Collective: one
-/// reduction.
+/// when the run ends (`sampling`, `stop_error`) or what is read from the averages at the end (stations, lines, planes
+/// of points), and the length of blocks, which `Averaging::resume` compares. The same on any number of ranks.
+/// Collective: one reduction.
 nlohmann::json facts_of(const par::Comm& comm, const Case& the_case, const Setup& setup, const mesh::DistMesh& mesh);
 
 /// What a case file says of a species' vibration, each mode of a degenerate one by itself. Local.
