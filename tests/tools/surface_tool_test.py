@@ -220,7 +220,10 @@ def test_bad_input_is_one_clear_message():
     refuses("pamr-surface", "decimate", "bad.off", "-o", "x.off", "--triangles", 10, says=["bad.off", "pamr-surface repair"],
             creates="x.off")
     ball()
-    refuses("pamr-surface", says=["--help"])
+    refuses("pamr-surface", says=["--help", "expected a command (info, repair, decimate", "found none"])
+    refuses("pamr-surface", "body.stl", says=["found 'body.stl'; did you mean `pamr-surface info body.stl`?"])
+    refuses("pamr-surface", "repiar", "body.stl", says=["found 'repiar'; did you mean `pamr-surface repair`?"])
+    refuses("pamr-surface", "--qiet", "info", "body.stl", says=["did you mean --quiet?"])
     refuses("pamr-surface", "shrink", "ball.stl", says=["--help"])
     refuses("pamr-surface", "info", "none.stl", says=["none.stl"])
     refuses("pamr-surface", "info", "bad.off", "--error", 1, says=["--error"])

@@ -46,6 +46,25 @@ struct Parsed {
   Ending ending;
 };
 
+/// Of a tool with commands of which none was named: says so, and which was meant. Empty where there is no need.
+std::string missing_command(const CLI::App& app) {
+  const auto commands = app.get_subcommands([](const CLI::App*) { return true; });
+  if (commands.empty() || !app.get_subcommands().empty()) return "";
+  std::vector<std::string> names;
+  std::string list;
+  for (const auto* command : commands) {
+    names.push_back(command->get_name());
+    list += (list.empty() ? "" : ", ") + names.back();
+  }
+  const auto text = "expected a command (" + list + "), found ";
+  const auto extras = app.remaining();
+  if (extras.empty()) return text + "none";
+  if (extras[0].starts_with("-")) return "";
+  const auto near = nearest_word(extras[0], names);
+  return text + "'" + extras[0] + "'; did you mean `" + app.get_name() + " " +
+         (near ? *near : names[0] + " " + extras[0]) + "`?";
+}
+
 /// An argument that nothing takes, and the option that may have been meant: the most alike, or the one that has its
 /// name as a part (--sphere: --crossing-sphere). Empty if every argument was taken.
 std::string unknown_argument(const CLI::App& app) {
@@ -98,7 +117,10 @@ Parsed parse(int argc, char** argv, const ToolInfo& info, const std::function<vo
     if (speaks) print(text.str());
     return {false, {}};
   } catch (const CLI::ParseError& wrong) {
-    const auto unknown = unknown_argument(app);  // said first: a misspelt option may be the one that is missed
+    const auto no_command = missing_command(app);
+    const auto unknown = no_command.empty()
+                             ? unknown_argument(app)
+                             : no_command;  // said first: a misspelt option may be the one that is missed
     return {false,
             {ExitCode::bad_input, (unknown.empty() ? wrong.what() : unknown) + (" (see " + info.name + " --help)")}};
   }
