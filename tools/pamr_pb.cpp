@@ -47,6 +47,14 @@ void declare(cli::CommandLine& line, Options& o) {
       .type_name("FIELD");
   line.option("--surface", o.surface, "write the boundary with potential, charge density and stress, for ParaView")
       .type_name("FILE.vtu");
+  line.option("--petsc", o.petsc, "options for PETSc, after those of the case: \"-pc_type hypre -ksp_monitor\"")
+      .type_name("OPTIONS");
+  line.option("--balance", o.balance, "how the cells, and with them the unknowns, are spread over the ranks")
+      .one_of({"auto", "scotch", "curve", "blocks", "none"})
+      .show_default();
+  line.option("--format", o.format, cli::format_help).range(io::oldest_format, io::newest_format).show_default();
+  line.flag("--force", o.force, cli::force_help);
+  line.group("Levels", "pamr-pb case.toml --mesh level0.hdf -o out.hdf --levels 4 --tolerance 0.01 --plot levels.svg");
   line.option("--levels", o.levels,
               "refine where the error estimate says, and solve again, N times at most; OUT has the last level")
       .type_name("N")
@@ -56,18 +64,11 @@ void declare(cli::CommandLine& line, Options& o) {
       .positive();
   line.option("--history", o.history, "values, error bars and cells of each level").type_name("FILE.csv");
   line.option("--plot", o.plot, "the same as a picture: values with error bars over cells").type_name("FILE.svg");
-  line.option("--petsc", o.petsc, "options for PETSc, after those of the case: \"-pc_type hypre -ksp_monitor\"")
-      .type_name("OPTIONS");
-  line.option("--balance", o.balance, "how the cells, and with them the unknowns, are spread over the ranks")
-      .one_of({"auto", "scotch", "curve", "blocks", "none"})
-      .show_default();
-  line.option("--format", o.format, cli::format_help).range(io::oldest_format, io::newest_format).show_default();
   line.option(
           "--max-cells", o.max_cells,
           "cells of the largest mesh that you would make: with --levels that is made, and no charge is given where its "
           "layer would take more")
       .positive();
-  line.flag("--force", o.force, cli::force_help);
 }
 
 nlohmann::json report_of(const balance::Report& report) {
