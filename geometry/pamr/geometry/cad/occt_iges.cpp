@@ -107,7 +107,7 @@ void sew(OcctShape& read, double resolution) {
   if (sewing.SewedShape().IsNull()) throw Error("expected faces that can be sewn, found none");
   for (TopExp_Explorer e(read.shape, TopAbs_FACE); e.More(); e.Next()) {
     if (!sewing.IsModified(e.Current())) continue;
-    const TopoDS_Shape sewn = sewing.Modified(e.Current());
+    const TopoDS_Shape& sewn = sewing.Modified(e.Current());
     for (auto* texts : {&read.names, &read.colors})
       if (auto text = text_of(*texts, e.Current()); !text.empty()) (*texts)[sewn.TShape().get()] = std::move(text);
   }

@@ -153,7 +153,7 @@ std::string part_with(const Interface_Graph& graph, const Handle(Standard_Transi
     };
     auto users = graph.Sharings(open[i]);
     for (users.Start(); users.More(); users.Next()) {
-      const auto user = users.Value();
+      const auto& user = users.Value();
       if (user->IsKind(STANDARD_TYPE(StepShape_ShapeRepresentation))) add(user);
       if (const auto pair = Handle(StepRepr_ShapeRepresentationRelationship)::DownCast(user);
           !pair.IsNull() && !user->IsKind(STANDARD_TYPE(StepRepr_RepresentationRelationshipWithTransformation))) {

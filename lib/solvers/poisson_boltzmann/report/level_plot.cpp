@@ -158,10 +158,12 @@ std::string levels_svg(const std::vector<Level>& levels) {
       "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0:.0f}\" height=\"{1:.0f}\" viewBox=\"0 0 {0:.0f} {1:.0f}\" "
       "font-family=\"sans-serif\" font-size=\"12\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n",
       width, height);
-  for (std::size_t k = 0; k < quantities.size(); ++k)
-    text += Panel(levels, quantities[k], panel_width * static_cast<double>(k % n_columns),
-                  panel_height * static_cast<double>(k / n_columns))
-                .svg();
+  for (std::size_t k = 0; k < quantities.size(); ++k) {
+    const std::size_t row = k / n_columns, column = k % n_columns;
+    text +=
+        Panel(levels, quantities[k], panel_width * static_cast<double>(column), panel_height * static_cast<double>(row))
+            .svg();
+  }
   text += fmt::format("<text x=\"{:.0f}\" y=\"{:.0f}\">Vertical lines: error bars; open points have none.</text>\n",
                       left, height - 10);
   return text + "</svg>\n";
