@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What assess.hpp does, for codes that speak Python: whether a code has done the work that it was given."""
+"""As assess.hpp, for codes that speak Python: whether a code has done the work that it was given."""
 
 import itertools
 
@@ -89,7 +89,7 @@ def assess_wall(corners):
 
 
 def assess(corners, domain, cells_before):
-    """What is known of a mesh from the corners of its cells (n x 4 x 3), and the keys of its cells, sorted, for the
+    """Facts about a mesh from the corners of its cells (n x 4 x 3), and the keys of its cells, sorted, for the
     next call; `cells_before`: those of the mesh before, or None."""
     ratios = np.sort(np.concatenate([mean_ratios(p) for p in slabs(corners)]))
     cells = np.sort(np.concatenate([keys_of(p).sum(axis=1, dtype=np.uint64) for p in slabs(corners)]))

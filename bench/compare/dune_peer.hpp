@@ -9,7 +9,7 @@
 
 #include "workload.hpp"
 
-/// What the codes behind DUNE's interface have in common. The wall of a hole is given to them as a surface: new nodes
+/// The common part of the codes behind DUNE's interface. The wall of a hole is given to them as a surface: new nodes
 /// of its faces are put onto the sphere.
 namespace peer {
 

@@ -24,7 +24,7 @@
 #include "assess.hpp"
 
 /// The workloads of docs/reports/performance.md for codes that speak C++, ours included: mesh, marks, clock, memory.
-/// What workload.py is for Python; command line and output are the same and are explained there.
+/// As workload.py for Python; command line and output are the same and are explained there.
 ///
 /// A code is a class with
 ///   Peer(const std::string& mesh)  makes the mesh in its own data structure; `mesh_named` reads it

@@ -63,7 +63,7 @@ class Work:
 
 @dataclasses.dataclass
 class Pair:
-    """What was found of one code beside ours: of each level its assessment, and medians of the seconds of both."""
+    """Results of one code beside ours: of each level its assessment, and medians of the seconds of both."""
 
     name: str
     theirs: dict

@@ -12,7 +12,7 @@ COMPARE = pathlib.Path(__file__).resolve().parent.parent / "compare"
 SYSTEM_PYTHON = os.environ.get("PAMR_PEER_PYTHON", "/usr/bin/python3")  # Debian's own, which sees its packages
 COMPILER = os.environ.get("PAMR_PEER_CXX", "mpicxx")
 LONGEST_LINE = 160
-# What pip asks a package of DUNE for before it hands over the source.
+# Variables that pip needs before it fetches the source of a package of DUNE.
 SOURCE_STUB = """
 def metaData(*_, **__):
     return None, {"name": "NAME", "version": "VERSION", "packages": [], "py_modules": []}

@@ -18,7 +18,7 @@ REPEATS = {"whole": (5, 30), "quick": (2, 5), "tiny": (1, 0)}  # at most, and no
 
 
 class Context:
-    """What tables are made of."""
+    """The sources of the tables."""
 
     def __init__(self, options):
         self.build = options.build.resolve()

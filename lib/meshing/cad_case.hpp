@@ -10,7 +10,7 @@
 
 namespace pamr::meshing {
 
-/// What is wanted of a CAD file.
+/// The parts of a CAD file that are wanted.
 struct CadRequest {
   std::string unit;                 ///< of the mesh
   double far = 0;                   ///< largest wanted edge length; 0: a fifteenth of the size of the shape

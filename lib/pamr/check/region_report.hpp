@@ -10,7 +10,7 @@
 
 namespace pamr::check {
 
-/// What is to be known about the cells of one region.
+/// Facts about the cells of one region.
 struct RegionReport {
   std::int64_t number = 0;  ///< value of the cell field `region`
   std::string name;         ///< that it is known by; its number where it has none of its own

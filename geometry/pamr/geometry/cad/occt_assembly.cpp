@@ -36,7 +36,7 @@ namespace {
 constexpr double min_fuzzy = 1e-6, max_fuzzy = 1e-5;  // of the size of the solids
 constexpr double max_change = 1e-3;                   // of the volume of a solid, by the fuse
 
-/// What the solids of a file are called: `called` without the number that tells several of one name apart.
+/// Names of the solids of a file: `called` without the number that tells several of one name apart.
 struct SolidNames {
   std::vector<std::string> name, called;
 };
@@ -123,7 +123,7 @@ class Fuse {
 
   const TopoDS_Shape& result() const { return result_; }
 
-  /// What has become of a solid or a face.
+  /// The pieces that a solid or a face has become.
   std::vector<TopoDS_Shape> parts_of(const TopoDS_Shape& shape) {
     if (is_one_) return {shape};
     const auto& modified = fuse_.Modified(shape);

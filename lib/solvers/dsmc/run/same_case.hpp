@@ -17,7 +17,7 @@ namespace pamr::dsmc {
 /// Collective: one reduction.
 nlohmann::json facts_of(const par::Comm& comm, const Case& the_case, const Setup& setup, const mesh::DistMesh& mesh);
 
-/// What a case file says of a species' vibration, each mode of a degenerate one by itself. Local.
+/// The vibration of a species as its case file states it, each mode of a degenerate one by itself. Local.
 nlohmann::json facts_of(const Vibration& vibration);
 
 /// Throws `Error` with the name and both values of each fact that differs unless a checkpoint with this header is one

@@ -30,7 +30,7 @@ void add_quadratic_source_product(const Problem& problem, const std::vector<doub
 double given_flux(const Case& input, const PlateProfile& profile, const Boundary& boundary,
                   const PlacedFacePoint& placed);
 
-/// What given charges, the far field, the split-off profile and sources give at the nodes, of this rank's cells. Local.
+/// Loads of given charges, the far field, the split-off profile and sources at the nodes, of this rank's cells. Local.
 std::vector<double> quadratic_load(const Domain& domain, const Case& input);
 
 }  // namespace pamr::poisson_boltzmann

@@ -23,8 +23,9 @@ constexpr int max_iterations = 200;
 /// than these, and so on. Source: M. R. Hestenes, E. Stiefel, J. Res. Nat. Bur. Standards 49 (1952), theorem 6:1.
 constexpr std::size_t n_last = 5;
 
-/// What fourth order has over second in front of a flat wall, for a layer of unit thickness and a cell of unit height:
-/// the energies of the parts h^4 u""/1680 and h^2 u"/12 of Legendre polynomials, with u"" = k^2 u" by the equation.
+/// The excess of fourth order over second in front of a flat wall, for a layer of unit thickness and a cell of unit
+/// height: the energies of the parts h^4 u""/1680 and h^2 u"/12 of Legendre polynomials, with u"" = k^2 u" by the
+/// equation.
 const double fourth_over_second = std::sqrt(20.0 / 6) * 12 / 1680;
 
 constexpr std::size_t entry_of(std::size_t i, std::size_t j) { return i * (i + 1) / 2 + j; }

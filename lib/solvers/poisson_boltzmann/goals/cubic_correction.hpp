@@ -72,7 +72,7 @@ class CubicCorrection {
   /// Fourth order over second on a cell by the equation, along the gradient of x.
   double fourth_of(std::size_t cell, std::span<const double> x) const;
   void add_curvature(const par::Comm& comm, CubicGoalError& to) const;
-  /// What the curvature of the source term, and of the charges of sites, adds to a cell.
+  /// The part of a cell that comes from the curvature of the source term and of the charges of sites.
   std::vector<double> of_curvature(std::span<const double> dual) const;
   std::vector<double> cell_energy(std::span<const double> x) const;
 

@@ -26,13 +26,13 @@ std::vector<double> quadratic_midplane_derivative(const par::Comm& comm, const S
 /// As `midplane_remainder`, of each cell. Local.
 std::vector<double> quadratic_midplane_remainder(const State& state, int patch);
 
-/// What the energy has of charges of walls and of the far field: it is stationary but for them. Collective: one
+/// The part of the energy from charges of walls and from the far field: it is stationary but for them. Collective: one
 /// exchange.
 std::vector<double> quadratic_energy_derivative(const par::Comm& comm, const State& state);
 
 /// Derivative of the charge of the sites that the goal counts, with the other sign. Collective: one exchange.
 std::vector<double> quadratic_charge_derivative(const par::Comm& comm, const State& state, const GoalFunctional& goal);
-/// What the square of the error adds to that charge, of each cell. Local.
+/// The square of the error in that charge, of each cell. Local.
 std::vector<double> quadratic_charge_remainder(const State& state, const GoalFunctional& goal);
 
 /// As `shape_error`, for what curved faces miss of their surfaces, with the gradients of third order. What is left is
