@@ -54,7 +54,7 @@ def hole(context):
         python = next((maker[0] for maker in makers if maker), None)
         if python is None:
             raise Failed(
-                "the mesh with the hole is made by Gmsh, which is not to be had: " + context.peers.errors["gmsh"]
+                "Gmsh, which makes the mesh with the hole, could not be installed: " + context.peers.errors["gmsh"]
             )
         output_of([python, "-B", HERE / "hole_mesh.py", str(size), target])
         surface = target.with_suffix(".toml")

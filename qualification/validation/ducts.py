@@ -2,7 +2,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Flows in ducts and vessels beside what is known of them: see ducts.sh. Each run takes at most three minutes."""
 import datetime
-import json
 import math
 import pathlib
 import subprocess
@@ -13,7 +12,7 @@ import numpy as np
 import dsmc_cases as cases
 import dsmc_runs as runs
 from dsmc_flows import box
-from dsmc_runs import ARGON, BOLTZMANN, NITROGEN, compute, fields, gas, mesh
+from dsmc_runs import ARGON, BOLTZMANN, NITROGEN, computed_once, fields, gas, mesh
 
 T = 300.0
 FOUR_ERRORS = 4 / 2.262  # four standard errors in bounds of 95 % of ten groups
@@ -30,14 +29,6 @@ def row(case, quantity, truth, found, bound, most=0.01):
         misses.append(f"NOT AS EXPECTED: {case}: {quantity}: expected {truth:.4g} within {allowed:.2g}, found {found:.4g}")
     if not bound <= most * abs(truth):
         misses.append(f"NOT AS EXPECTED: {case}: {quantity}: expected a bound of at most {most * abs(truth):.2g}, found {bound:.2g}")
-
-
-def run(name, tables, on):
-    """The report of a run, kept from an earlier call."""
-    kept = runs.OUT / f"{name}-report.json"
-    if not kept.exists():
-        kept.write_text(json.dumps(compute(name, tables, on, 1)))
-    return json.loads(kept.read_text())
 
 
 def section(name, x):
@@ -59,7 +50,7 @@ def bound_of_particles(report):
 def transmission(case, length, truth, on, boundary, volume, particles=60000, n=1e16):
     """Gas of a vessel at rest through a duct along x into a vacuum, without collisions: at three sections, over what enters."""
     dt = 1 / cases.fast(T, NITROGEN["mass"])
-    report = run(case.replace(" ", "-").replace("/", "-"), {
+    report = computed_once(case.replace(" ", "-").replace("/", "-"), {
         **gas(N2=NITROGEN), "stream.free": dict(pressure=n * BOLTZMANN * T, temperature=T), "boundary": boundary,
                         "collisions": {"enabled": False}, "particles": dict(weight=n * volume / particles), "time": dict(step=dt),
                         "run": dict(transient=40 + 20 * length, sampling=400),
@@ -151,7 +142,7 @@ def vessel():
         if name.startswith("inlet"):
             end = dict(left={"kind": "inlet"}, right={"kind": "outlet", "pressure": low * n * BOLTZMANN * T})
         file, case = "vessel-" + name.split()[0], "vessel, " + name
-        report = run(file, {**gas(N2=NITROGEN), **streams, "boundary": {"vessel": wall, "tube": wall, **end},
+        report = computed_once(file, {**gas(N2=NITROGEN), **streams, "boundary": {"vessel": wall, "tube": wall, **end},
                             "collisions": {"enabled": False}, "particles": dict(total=30000.0), "time": dict(step=dt),
                             "run": dict(transient=600, sampling=2400),
                             "plane": [section("left tube", -1.2), section("middle", 0.0), section("right tube", 1.2)]}, on)
@@ -171,10 +162,10 @@ def flow():
     on = box("duct.hdf", 20, 4, 4, 0, 1)
     p = n * BOLTZMANN * T
     area = (4 / 20)**2
-    report = run("duct", {**gas(Ar=ARGON), "stream.free": dict(density=0.5 * n, temperature=T),
-                          **runs.walls(xmin={"kind": "inlet", "mass_flow": n * mass * u * area}, xmax={"kind": "outlet", "pressure": p}),
-                          "particles": dict(weight=n * area / 30000), "time": dict(step=4e-5), "run": dict(transient=1500, sampling=3000),
-                          "plane": [section(f"x = {x}", x) for x in (0.2, 0.5, 0.8)]}, on)
+    report = computed_once("duct", {**gas(Ar=ARGON), "stream.free": dict(density=0.5 * n, temperature=T),
+                                    **runs.walls(xmin={"kind": "inlet", "mass_flow": n * mass * u * area}, xmax={"kind": "outlet", "pressure": p}),
+                                    "particles": dict(weight=n * area / 30000), "time": dict(step=4e-5),
+                                    "run": dict(transient=1500, sampling=3000), "plane": [section(f"x = {x}", x) for x in (0.2, 0.5, 0.8)]}, on)
     case = "duct of mirrors, mass flow in, pressure at the end"
     for x in (0.2, 0.5, 0.8):
         value, bound = passed(report, f"x = {x}")

@@ -10,7 +10,7 @@ import numpy as np
 
 import dsmc_runs as runs
 from dsmc_cases import frequency
-from dsmc_runs import NITROGEN, compute, cube, fields, refined, tool, walls
+from dsmc_runs import NITROGEN, computed_once, cube, fields, refined, tool, walls
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 THETA = 3371.0
@@ -23,14 +23,6 @@ def row(case, quantity, truth, found, bound, gated=True, model=0.0):
     print("  ".join(rows[-1]), flush=True)
     if gated and truth is not None and not abs(found - truth) <= 2 * bound + model:
         misses.append(f"NOT AS EXPECTED: {case}: {quantity}: expected {truth:.5g}, found {found:.5g} +- {bound:.2g}")
-
-
-def run(name, tables, on):
-    """The report of a run, kept from an earlier call."""
-    kept = runs.OUT / f"{name}-report.json"
-    if not kept.exists():
-        kept.write_text(json.dumps(compute(name, tables, on, 1)))
-    return json.loads(kept.read_text())
 
 
 def energy(t):
@@ -59,7 +51,7 @@ def relaxation():
     n, t0, per_cell, cubes, part = 1e22, 20000.0, 20.0, 9, 0.1
     tables, dt = box(dict(temperatures=[THETA], c1=9.873, c2=221.0, cross_section=3e-21), t0, 0.0, part, n, per_cell,
                      transient=0, sampling=800, block=1)
-    history = run("relaxation", tables, cube(cubes))["history"]
+    history = computed_once("relaxation", tables, cube(cubes))["history"]
     real = history[0]["particles"] / (6 * cubes**3 * per_cell) * n
     rotation, vibration = history[0]["T_rot"], energy(history[0]["T_vib"])
     total, smoothed = 1.5 * history[0]["T_tr"] + rotation + vibration, history[0]["T_tr"]
@@ -82,7 +74,7 @@ def equilibrium():
     for t in (800.0, 2000.0, 5000.0, 15000.0):
         c1 = 10 * t**0.74 / math.exp(221 * t**(-1 / 3))
         tables, _ = box(dict(temperatures=[THETA], c1=c1, c2=221.0), t, t, 0.5, transient=0, sampling=1800, block=6)
-        history = run(f"equilibrium-{t:.0f}", tables, cube(6))["history"]
+        history = computed_once(f"equilibrium-{t:.0f}", tables, cube(6))["history"]
         for name in ("T_vib", "T_rot"):
             groups = np.reshape([r[name] / r["T_tr"] for r in history], (10, -1)).mean(axis=1)
             row(f"box at {t:.0f} K, 900 collision times", f"{name} / T_tr", 1.0, groups.mean(), 2.262 * groups.std(ddof=1) / math.sqrt(10))

@@ -15,7 +15,7 @@ struct Direction {
   geometry::Vec3 up{0, 0, 1};
 };
 
-/// Height over width, and the angle, of the still picture.
+/// Pixels of the still picture, and half the angle of its view.
 inline constexpr int picture_width = 1000, picture_height = 560;
 inline constexpr double half_view = 17.5 * std::numbers::pi / 180;
 
