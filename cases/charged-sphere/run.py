@@ -27,9 +27,9 @@ def write_case(name, radius, potential, sides, goal):
     text = f'[[sphere]]\npatch = "sphere"\ncenter = [0, 0, 0]\nradius = {radius}\n'
     if goal:
         text += '[estimator]\ngoal = "charge"\ngoal_patch = "sphere"\n'
-    text += f'[boundary.sphere]\ncondition = "potential"\nvalue = {potential}\n'
-    text += '[boundary.outer]\ncondition = "far-field"\n'
-    text += "".join(f'[boundary.{side}]\ncondition = "symmetry"\n' for side in sides)
+    text += f'[boundary.sphere]\nkind = "potential"\nvalue = {potential}\n'
+    text += '[boundary.outer]\nkind = "far-field"\n'
+    text += "".join(f'[boundary.{side}]\nkind = "symmetry"\n' for side in sides)
     pathlib.Path(name).write_text(text, encoding="utf-8")
 
 

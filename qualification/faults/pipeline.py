@@ -19,7 +19,7 @@ from job_processes import processes_here, still_there  # noqa: E402
 SECONDS_TO_END = 300
 CRASHES = (signal.SIGSEGV, signal.SIGBUS, signal.SIGFPE, signal.SIGILL)
 PRECIOUS = b"the result of yesterday"
-POTENTIAL = "".join(f'[boundary.{side}]\ncondition = "{"potential" if side[0] == "x" else "symmetry"}"\n'
+POTENTIAL = "".join(f'[boundary.{side}]\nkind = "{"potential" if side[0] == "x" else "symmetry"}"\n'
                     + ("value = 2.0\n" if side[0] == "x" else "")
                     for side in ("xmin", "xmax", "ymin", "ymax", "zmin", "zmax"))
 

@@ -112,8 +112,8 @@ def test_makers_of_meshes_and_surfaces():
 def test_the_potential():
     kuhn_cube("mesh.hdf", 2)
     write_stl("body.stl", *icosphere(0))
-    sides = "".join(f'[boundary.{side}]\ncondition = "symmetry"\n' for side in ("xmin", "xmax", "ymin", "ymax", "zmax"))
-    write("case", '[boundary.zmin]\ncondition = "potential"\nvalue = 1.0\n' + sides + SURFACE)
+    sides = "".join(f'[boundary.{side}]\nkind = "symmetry"\n' for side in ("xmin", "xmax", "ymin", "ymax", "zmax"))
+    write("case", '[boundary.zmin]\nkind = "potential"\nvalue = 1.0\n' + sides + SURFACE)
     refuse_all_pairs(["pamr-pb", "case", "--mesh", "mesh.hdf"], ["case", "mesh.hdf", "body.stl"],
                      {"-o": ".hdf", "--surface": None, "--json": None})
 

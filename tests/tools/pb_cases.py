@@ -16,8 +16,8 @@ def boundary(**conditions):
             text += f"{patch} = {{ " + ", ".join(f"{key} = {json.dumps(value)}" for key, value in stated.items()) + " }\n"
             continue
         condition, value = (stated, None) if isinstance(stated, str) else stated
-        text += f'{patch} = {{ condition = "{condition}"' + (f", value = {value!r} }}\n" if value is not None else " }\n")
-    return text + '"*" = { condition = "symmetry" }\n'
+        text += f'{patch} = {{ kind = "{condition}"' + (f", value = {value!r} }}\n" if value is not None else " }\n")
+    return text + '"*" = { kind = "symmetry" }\n'
 
 
 def solve(text, mesh):

@@ -16,7 +16,7 @@ ACID, BASE = ("acid", 4.0, 5.0), ("base", 2.0, 7.0)  # site, density, pK
 
 
 def wall(site, density, pk, **more):
-    return {"condition": "regulated", "site": site, "value": density, "pK": pk, **more}
+    return {"kind": "regulated", "site": site, "value": density, "pK": pk, **more}
 
 
 def density_at(psi, site, density, pk, ph=PH, valence=1):

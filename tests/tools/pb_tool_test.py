@@ -20,7 +20,7 @@ SIDES = ("xmin", "xmax", "ymin", "ymax", "zmin", "zmax")
 
 
 def condition(patch, kind, value=None):
-    return f'[boundary.{patch}]\ncondition = "{kind}"\n' + (f"value = {value}\n" if value is not None else "")
+    return f'[boundary.{patch}]\nkind = "{kind}"\n' + (f"value = {value}\n" if value is not None else "")
 
 
 def cube_case(name="case.toml", head="", **special):

@@ -15,8 +15,7 @@ using ::testing::HasSubstr;
 const std::vector<mesh::Patch> patches{{"body_1", ""}, {"body_2", ""}, {"far", ""}, {"plate", ""}};
 
 std::string condition(const std::string& patch, const std::string& kind, const std::string& value = "") {
-  return "[boundary.\"" + patch + "\"]\ncondition = \"" + kind + "\"\n" +
-         (value.empty() ? "" : "value = " + value + "\n");
+  return "[boundary.\"" + patch + "\"]\nkind = \"" + kind + "\"\n" + (value.empty() ? "" : "value = " + value + "\n");
 }
 
 Case resolved(const std::string& text) { return resolve_names(read_case(text, "case.toml"), patches, "case.toml"); }

@@ -11,7 +11,7 @@
 namespace pamr::poisson_boltzmann {
 namespace error_estimate_test {
 
-const std::string manufactured = "[equation]\nmanufactured = true\n" + cube_boundary("condition = \"manufactured\"");
+const std::string manufactured = "[equation]\nmanufactured = true\n" + cube_boundary("kind = \"manufactured\"");
 
 TEST(Estimate, IsZeroForALinearFunction) {
   par::Comm comm(MPI_COMM_WORLD);
@@ -61,7 +61,7 @@ TEST(Estimate, DependsOnTheKindOfMean) {
 
 TEST(Goal, PointsToTheMirrorWhoseForceIsAsked) {
   par::Comm comm(MPI_COMM_WORLD);
-  auto text = cube_boundary("condition = \"symmetry\"", "xmax", "condition = \"potential\"\nvalue = 2");
+  auto text = cube_boundary("kind = \"symmetry\"", "xmax", "kind = \"potential\"\nvalue = 2");
   Solved solved(comm, test::kuhn_cube(comm, 6),
                 "[force]\nmidplane = \"xmin\"\n[estimator]\ngoal = \"midplane\"\n" + text);
 
@@ -81,7 +81,7 @@ TEST(Goal, PointsToTheMirrorWhoseForceIsAsked) {
 TEST(Goal, CorrectsEveryQuantityOfASlabAndItsBarHoldsTheTruth) {
   par::Comm comm(MPI_COMM_WORLD);
   // A wall at 2 and its image: the limit is extrapolated from two meshes by the order 2, which is tested.
-  const auto walls = cube_boundary("condition = \"symmetry\"", "xmax", "condition = \"potential\"\nvalue = 2") +
+  const auto walls = cube_boundary("kind = \"symmetry\"", "xmax", "kind = \"potential\"\nvalue = 2") +
                      "[estimator]\ngoals = [\"charge\", \"force-x\", \"energy\"]\ngoal_patch = \"xmax\"\n";
   for (const std::string quadrature : {"nodal", "gauss"}) {
     const auto goals = [&](int n) {
@@ -108,11 +108,11 @@ TEST(Goal, CorrectsEveryQuantityOfASlabAndItsBarHoldsTheTruth) {
 TEST(Goal, CorrectsTheChargeByTheSourceTermBetweenTheNodes) {
   par::Comm comm(MPI_COMM_WORLD);
   // sinh psi is no straight line between the nodes: taken as one, half of the error stayed. A wall at 3, one at 0.
-  const auto walls = cube_boundary("condition = \"symmetry\"", "xmax", "condition = \"potential\"\nvalue = 3") +
+  const auto walls = cube_boundary("kind = \"symmetry\"", "xmax", "kind = \"potential\"\nvalue = 3") +
                      "[estimator]\ngoal = \"charge\"\ngoal_patch = \"xmax\"\n";
   auto text = walls;
-  text.replace(text.find("[boundary.xmin]\ncondition = \"symmetry\""), 38,
-               "[boundary.xmin]\ncondition = \"potential\"\nvalue = 0");
+  text.replace(text.find("[boundary.xmin]\nkind = \"symmetry\""), 33,
+               "[boundary.xmin]\nkind = \"potential\"\nvalue = 0");
   Solved solved(comm, test::kuhn_cube(comm, 8), text);
   const auto goal = solved.analysis(comm).goals.at(0);
   const double exact = 4.884421041;  // by shooting (tests/tools/pb_bars_test.py)

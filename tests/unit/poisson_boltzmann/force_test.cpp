@@ -18,7 +18,7 @@ class Slab {
  public:
   Slab(const par::Comm& comm, int n, const std::string& more = "", const std::string& wall = "xmax")
       : solved(comm, test::kuhn_cube(comm, n),
-               more + cube_boundary("condition = \"symmetry\"", wall, "condition = \"potential\"\nvalue = 2")),
+               more + cube_boundary("kind = \"symmetry\"", wall, "kind = \"potential\"\nvalue = 2")),
         mirrors(find_mirrors(comm, solved.domain, solved.input)),
         comm_(comm),
         u(solved.solution.u) {}
@@ -159,12 +159,11 @@ TEST(VolumeForce, OfAPlateHoldsAtAnyPotential) {
   par::Comm comm(MPI_COMM_WORLD);
   // A wall of potential 1 at z = 1 over a plate: the force on the plate tends to a limit as its potential grows.
   const auto force = [&](double plate) {
-    const auto text =
-        "[plate]\npatch = \"zmin\"\n[equation]\nsplit = true\n[boundary.zmin]\ncondition = \"potential\"\n" +
-        ("value = " + std::to_string(plate)) +
-        "\n[boundary.zmax]\ncondition = \"potential\"\nvalue = 1\n[boundary.xmin]\ncondition = "
-        "\"symmetry\"\n[boundary.xmax]\ncondition = \"symmetry\"\n[boundary.ymin]\ncondition = "
-        "\"symmetry\"\n[boundary.ymax]\ncondition = \"symmetry\"\n";
+    const auto text = "[plate]\npatch = \"zmin\"\n[equation]\nsplit = true\n[boundary.zmin]\nkind = \"potential\"\n" +
+                      ("value = " + std::to_string(plate)) +
+                      "\n[boundary.zmax]\nkind = \"potential\"\nvalue = 1\n[boundary.xmin]\nkind = "
+                      "\"symmetry\"\n[boundary.xmax]\nkind = \"symmetry\"\n[boundary.ymin]\nkind = "
+                      "\"symmetry\"\n[boundary.ymax]\nkind = \"symmetry\"\n";
     Solved solved(comm, test::kuhn_cube(comm, 8), text);
     return solved.analysis(comm).patches[4].volume.value().z;
   };
@@ -196,9 +195,9 @@ TEST(FindMirrors, CountsOneForEachDirectionThatEndsTheBody) {
   par::Comm comm(MPI_COMM_WORLD);
   Slab slab(comm, 2);
   const auto text =
-      "[boundary.xmin]\ncondition = \"symmetry\"\n[boundary.ymin]\ncondition = \"symmetry\"\n"
-      "[boundary.zmin]\ncondition = \"potential\"\nvalue = 1\n[boundary.xmax]\ncondition = \"far-field\"\n"
-      "[boundary.ymax]\ncondition = \"far-field\"\n[boundary.zmax]\ncondition = \"far-field\"\n";
+      "[boundary.xmin]\nkind = \"symmetry\"\n[boundary.ymin]\nkind = \"symmetry\"\n"
+      "[boundary.zmin]\nkind = \"potential\"\nvalue = 1\n[boundary.xmax]\nkind = \"far-field\"\n"
+      "[boundary.ymax]\nkind = \"far-field\"\n[boundary.zmax]\nkind = \"far-field\"\n";
   const auto corner = read_case(text, "c");
 
   const auto mirrors = find_mirrors(comm, slab.solved.domain, corner);
@@ -227,9 +226,9 @@ TEST(FindMirrors, CountsTwoPiecesOfOnePlaneOnce) {
 std::string cup(const std::string& bodies) {
   std::string text = bodies;
   for (const std::string patch : {"xmin", "xmax", "ymin", "ymax"})
-    text += "[boundary." + patch + "]\ncondition = \"symmetry\"\n";
+    text += "[boundary." + patch + "]\nkind = \"symmetry\"\n";
   return text +
-         "[boundary.zmin]\ncondition = \"potential\"\nvalue = 2\n[boundary.zmax]\ncondition = \"potential\"\nvalue = "
+         "[boundary.zmin]\nkind = \"potential\"\nvalue = 2\n[boundary.zmax]\nkind = \"potential\"\nvalue = "
          "1\n";
 }
 
@@ -253,10 +252,9 @@ TEST(Bodies, AreTheSumOfTheirPatches) {
 
 TEST(Bodies, ThatMeetAnotherHaveNoVolumeFormAndSayWhy) {
   par::Comm comm(MPI_COMM_WORLD);
-  Solved solved(
-      comm, test::kuhn_cube(comm, 4),
-      cube_boundary("condition = \"symmetry\"", "zmin", "condition = \"potential\"\nvalue = 1") + "[force]\n");
-  auto text = cube_boundary("condition = \"potential\"\nvalue = 1");
+  Solved solved(comm, test::kuhn_cube(comm, 4),
+                cube_boundary("kind = \"symmetry\"", "zmin", "kind = \"potential\"\nvalue = 1") + "[force]\n");
+  auto text = cube_boundary("kind = \"potential\"\nvalue = 1");
   Solved all(comm, test::kuhn_cube(comm, 4), text);
 
   EXPECT_TRUE(solved.analysis(comm).patches[4].volume.has_value());
@@ -268,9 +266,9 @@ TEST(Bodies, ThatMeetAnotherHaveNoVolumeFormAndSayWhy) {
 TEST(Layers, CompareTheCellsWithTheGouyChapmanLength) {
   par::Comm comm(MPI_COMM_WORLD);
   const auto layer = [&](double potential, double max_cells) {
-    Solved solved(comm, test::kuhn_cube(comm, 4),
-                  cube_boundary("condition = \"symmetry\"", "zmin",
-                                "condition = \"potential\"\nvalue = " + std::to_string(potential)));
+    Solved solved(
+        comm, test::kuhn_cube(comm, 4),
+        cube_boundary("kind = \"symmetry\"", "zmin", "kind = \"potential\"\nvalue = " + std::to_string(potential)));
     const auto analysis = analyze(comm, solved.problem, solved.system, solved.solution, max_cells);
     EXPECT_EQ(analysis.patches[4].charge.has_value(), !analysis.patches[4].layer.is_lost);
     EXPECT_EQ(analysis.energy.has_value(), !analysis.patches[4].layer.is_lost);

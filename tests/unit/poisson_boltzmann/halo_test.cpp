@@ -27,7 +27,7 @@ std::vector<T> gather(const par::Comm& comm, const std::vector<T>& here) {
 /// A mesh in random order, spread by Scotch, with its boundary named as that of the cube.
 struct Spread {
   Spread(const par::Comm& comm, mesh::BlockMesh block)
-      : input(read_case(cube_boundary("condition = \"potential\"\nvalue = 1"), "case")),
+      : input(read_case(cube_boundary("kind = \"potential\"\nvalue = 1"), "case")),
         mesh(spread_cells(comm, assemble::assemble(comm, std::move(block)), balance::Method::scotch).mesh),
         domain(make_domain(comm, mesh, input, "case")) {}
 

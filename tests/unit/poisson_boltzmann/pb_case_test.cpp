@@ -9,8 +9,8 @@
 namespace pamr::poisson_boltzmann {
 namespace pb_case_test {
 
-const std::string wall = "[boundary.wall]\ncondition = \"potential\"\nvalue = 2\n";
-const std::string sphere_boundary = "[boundary.ball]\ncondition = \"potential\"\nvalue = 3\n";
+const std::string wall = "[boundary.wall]\nkind = \"potential\"\nvalue = 2\n";
+const std::string sphere_boundary = "[boundary.ball]\nkind = \"potential\"\nvalue = 3\n";
 
 std::string error_of(const std::string& text) {
   try {
@@ -40,7 +40,7 @@ TEST(ReadCase, ScalesDimensionalInputWithTheDebyeLength) {
   const auto problem = read_case(
       "[electrolyte]\ndebye_length = 0.275e-6\n[lengths]\nunit = \"um\"\n"
       "[pair]\npatch = \"ball\"\nradius = 0.325\ndistance = 4.5\nheight = 2.5\n[plate]\npatch = \"wall\"\n"
-      "[boundary.ball]\ncondition = \"potential\"\nvalue = 77.0778\nunit = \"mV\"\n" +
+      "[boundary.ball]\nkind = \"potential\"\nvalue = 77.0778\nunit = \"mV\"\n" +
           wall,
       "case.toml");
 
@@ -131,19 +131,26 @@ TEST(ReadCase, RefusesContradictoryLengths) {
 }
 
 TEST(ReadCase, RefusesWhatDrivesNothing) {
-  EXPECT_THAT(error_of("[boundary.wall]\ncondition = \"symmetry\"\n"), testing::HasSubstr("given potential or charge"));
-  EXPECT_THAT(error_of("[boundary.wall]\ncondition = \"charge\"\nvalue = 0\n"),
+  EXPECT_THAT(error_of("[boundary.wall]\nkind = \"symmetry\"\n"), testing::HasSubstr("given potential or charge"));
+  EXPECT_THAT(error_of("[boundary.wall]\nkind = \"charge\"\nvalue = 0\n"),
               testing::HasSubstr("given potential or charge"));
   EXPECT_THAT(error_of(""), testing::HasSubstr("[boundary.PATCH]"));
 }
 
+TEST(ReadCase, ReadsTheOldNameOfKind) {
+  const std::string old = "[boundary.wall]\ncondition = \"potential\"\nvalue = 2\n";
+  EXPECT_EQ(read_case(old, "c").boundary.at(0).value, read_case(wall, "c").boundary.at(0).value);
+  EXPECT_EQ(read_case(old, "c").boundary.at(0).condition, Condition::potential);
+  EXPECT_THAT(error_of(old + "kind = \"potential\"\n"), testing::HasSubstr("either kind or its old name condition"));
+  EXPECT_THAT(error_of("[boundary.wall]\nkynd = \"potential\"\nvalue = 2\n"), testing::HasSubstr("kind"));
+}
+
 TEST(ReadCase, RefusesOtherBadInput) {
   for (const auto* text :
-       {"[boundary.wall]\ncondition = \"hot\"\n", "[boundary.wall]\nvalue = 2\n",
-        "[boundary.wall]\ncondition = \"potential\"\n", "[boundary.wall]\ncondition = \"potential\"\nvalue = \"2\"\n",
-        "[boundary]\nwall = 2\n", "boundary = [\n", "[boundary.wall]\ncondition = \"potential\"\nvalue = nan\n",
-        "[boundary.wall]\ncondition = \"manufactured\"\n",
-        "[boundary.wall]\ncondition = \"charge\"\nvalue = 1\nunit = \"C/m2\"\n"})
+       {"[boundary.wall]\nkind = \"hot\"\n", "[boundary.wall]\nvalue = 2\n", "[boundary.wall]\nkind = \"potential\"\n",
+        "[boundary.wall]\nkind = \"potential\"\nvalue = \"2\"\n", "[boundary]\nwall = 2\n", "boundary = [\n",
+        "[boundary.wall]\nkind = \"potential\"\nvalue = nan\n", "[boundary.wall]\nkind = \"manufactured\"\n",
+        "[boundary.wall]\nkind = \"charge\"\nvalue = 1\nunit = \"C/m2\"\n"})
     EXPECT_THROW(read_case(text, "c"), Error) << text;
   for (const auto* text :
        {"[equation]\nsplit = true\n", "[plate]\npatch = \"floor\"\n", "[estimator]\ngoal = \"midplane\"\n",
@@ -167,11 +174,11 @@ TEST(DescribeCase, PrintsBothScales) {
 }
 
 TEST(ReadCase, RefusesPotentialsWhoseLayerNoMeshCanHold) {
-  const std::string high = "[boundary.wall]\ncondition = \"potential\"\nvalue = 51\n";
+  const std::string high = "[boundary.wall]\nkind = \"potential\"\nvalue = 51\n";
   EXPECT_THAT(error_of(high), testing::AllOf(testing::HasSubstr("at most 50 kT/Ze"), testing::HasSubstr("51 kT/Ze")));
   EXPECT_EQ(error_of("[equation]\nlinear = true\n" + high), "no error");
-  EXPECT_EQ(error_of("[boundary.wall]\ncondition = \"potential\"\nvalue = -50\n"), "no error");
-  EXPECT_THAT(error_of("[boundary.wall]\ncondition = \"charge\"\nvalue = 1e12\n"),
+  EXPECT_EQ(error_of("[boundary.wall]\nkind = \"potential\"\nvalue = -50\n"), "no error");
+  EXPECT_THAT(error_of("[boundary.wall]\nkind = \"charge\"\nvalue = 1e12\n"),
               testing::HasSubstr("a charge that makes a potential of at most 50"));
 }
 

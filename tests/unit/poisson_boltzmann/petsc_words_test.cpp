@@ -15,7 +15,7 @@
 namespace pamr::poisson_boltzmann {
 namespace petsc_words_test {
 
-const std::string plate = cube_boundary("condition = \"symmetry\"", "zmin", "condition = \"potential\"\nvalue = 2");
+const std::string plate = cube_boundary("kind = \"symmetry\"", "zmin", "kind = \"potential\"\nvalue = 2");
 
 /// Options of PETSc for the life of the object.
 class Options {

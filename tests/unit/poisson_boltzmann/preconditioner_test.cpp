@@ -8,7 +8,7 @@
 namespace pamr::poisson_boltzmann {
 namespace preconditioner_test {
 
-const std::string plate = cube_boundary("condition = \"symmetry\"", "zmin", "condition = \"potential\"\nvalue = 5");
+const std::string plate = cube_boundary("kind = \"symmetry\"", "zmin", "kind = \"potential\"\nvalue = 5");
 
 TEST(Preconditioner, IsChosenBySizeUnlessTheCaseNamesIt) {
   SolverOptions options;

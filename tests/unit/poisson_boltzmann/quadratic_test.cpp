@@ -23,7 +23,7 @@ const std::string second_order = "[solver]\norder = 2\n";
 
 Analysis manufactured(const par::Comm& comm, mesh::BlockMesh block) {
   Solved solved(comm, std::move(block),
-                "[equation]\nmanufactured = true\n" + second_order + cube_boundary("condition = \"manufactured\""));
+                "[equation]\nmanufactured = true\n" + second_order + cube_boundary("kind = \"manufactured\""));
   EXPECT_TRUE(solved.solution.converged);
   return solved.analysis(comm);
 }
@@ -160,8 +160,8 @@ Analysis on_shell(const par::Comm& comm, int n_levels, const std::string& text) 
 TEST(SecondOrder, GivesTheChargeOfASphereWithOrderFourOnCurvedCells) {
   const par::Comm comm(MPI_COMM_WORLD);
   const std::string text = "[equation]\nlinear = true\n" + second_order +
-                           "[boundary.inner]\ncondition = \"potential\"\nvalue = 1\n"
-                           "[boundary.outer]\ncondition = \"potential\"\nvalue = 0\n";
+                           "[boundary.inner]\nkind = \"potential\"\nvalue = 1\n"
+                           "[boundary.outer]\nkind = \"potential\"\nvalue = 0\n";
   // psi = sinh(1.5 - r) / (r sinh 0.5); the charge is 4 pi times -psi'(1)
   const double exact = 4 * std::numbers::pi * (1 + 1 / std::tanh(0.5));
   std::vector<double> error;
@@ -189,8 +189,8 @@ TEST(SecondOrder, CorrectsChargeAndEnergyOfASphereWithinTheirBars) {
   const par::Comm comm(MPI_COMM_WORLD);
   const std::string text = "[equation]\nlinear = true\n" + second_order +
                            "[estimator]\ngoals = [\"charge\", \"energy\"]\ngoal_patch = \"inner\"\n"
-                           "[boundary.inner]\ncondition = \"potential\"\nvalue = 1\n"
-                           "[boundary.outer]\ncondition = \"potential\"\nvalue = 0\n";
+                           "[boundary.inner]\nkind = \"potential\"\nvalue = 1\n"
+                           "[boundary.outer]\nkind = \"potential\"\nvalue = 0\n";
   const double exact = 4 * std::numbers::pi * (1 + 1 / std::tanh(0.5));
   for (int level = 0; level <= 1; ++level) {
     const auto analysis = on_shell(comm, level, text);
@@ -203,10 +203,10 @@ TEST(SecondOrder, CorrectsForcesWithinTheirBars) {
   const par::Comm comm(MPI_COMM_WORLD);
   std::string text = "[equation]\nlinear = true\n" + second_order +
                      "[estimator]\ngoals = [\"force-x\", \"midplane\"]\ngoal_patch = \"xmin\"\n"
-                     "[boundary.xmin]\ncondition = \"potential\"\nvalue = 2\n"
-                     "[boundary.xmax]\ncondition = \"symmetry\"\n[force]\nmidplane = \"xmax\"\n";
+                     "[boundary.xmin]\nkind = \"potential\"\nvalue = 2\n"
+                     "[boundary.xmax]\nkind = \"symmetry\"\n[force]\nmidplane = \"xmax\"\n";
   for (const std::string patch : {"ymin", "ymax", "zmin", "zmax"})
-    text += "[boundary." + patch + "]\ncondition = \"symmetry\"\n";
+    text += "[boundary." + patch + "]\nkind = \"symmetry\"\n";
   const double pressure = 0.5 * 4 / (std::cosh(1.0) * std::cosh(1.0));
   Solved solved(comm, test::kuhn_cube(comm, 3), text);
   const auto analysis = solved.analysis(comm);
@@ -221,7 +221,7 @@ TEST(SecondOrder, SolvesTheLinearizedEquationWithGivenValuesAsTheEquation) {
   for (const std::string solver : {"order = 1\n", "quadrature = \"gauss\"\n", "order = 2\n"}) {
     Solved solved(comm, test::kuhn_cube(comm, 3),
                   "[equation]\nlinear = true\n[solver]\n" + solver +
-                      cube_boundary("condition = \"symmetry\"", "xmin", "condition = \"potential\"\nvalue = 1"));
+                      cube_boundary("kind = \"symmetry\"", "xmin", "kind = \"potential\"\nvalue = 1"));
     const std::vector<double> nothing(solved.domain.point.size(), 0);
     const auto w = solved.system.solve_linearised(nothing, solved.conditions.value);
     for (std::size_t i = 0; i < w.size(); ++i) ASSERT_NEAR(w[i], solved.solution.u[i], 1e-5) << solver << i;
@@ -289,9 +289,9 @@ TEST(SecondOrder, HasBarsForARodInATubeThatHoldAndAreNotFarTooWide) {
   const par::Comm comm(MPI_COMM_WORLD);
   std::string text = "[equation]\nlinear = true\n" + second_order +
                      "[estimator]\ngoals = [\"force-x\", \"charge\", \"energy\"]\ngoal_patch = \"rod\"\n"
-                     "[boundary.rod]\ncondition = \"potential\"\nvalue = 2\n"
-                     "[boundary.tube]\ncondition = \"potential\"\nvalue = -1\n";
-  for (const std::string patch : {"side", "low", "top"}) text += "[boundary." + patch + "]\ncondition = \"symmetry\"\n";
+                     "[boundary.rod]\nkind = \"potential\"\nvalue = 2\n"
+                     "[boundary.tube]\nkind = \"potential\"\nvalue = -1\n";
+  for (const std::string patch : {"side", "low", "top"}) text += "[boundary." + patch + "]\nkind = \"symmetry\"\n";
   const std::array<double, 3> exact{2.882481964, 11.381732821, 8.692401366};  // cases/charged-rod/bessel.py
   for (const GlobalId n : {8, 12}) {
     Solved solved(comm, rod_in_tube(comm, 2 * n, n), text);
@@ -334,7 +334,7 @@ TEST(GivenCharge, OnACurvedWallHasBarsThatHold) {
     double charge;
   };
   const auto table = [](const std::string& condition, double value) {
-    return "condition = \"" + condition + "\"\n" + (condition == "symmetry" ? "" : fmt::format("value = {}\n", value));
+    return "kind = \"" + condition + "\"\n" + (condition == "symmetry" ? "" : fmt::format("value = {}\n", value));
   };
   const InShell both(false, 1, true, 0.5), inner(true, -2, false, -1), closed(false, 2, true, 0);
   const std::array<Case, 3> cases{{
@@ -368,7 +368,7 @@ TEST(ShapeChange, MeasuresDistanceAndAreaOfASurfaceBesideAFace) {
   const auto surfaces = test::surfaces_of(
       "[[surface]]\nname = \"ball\"\nkind = \"sphere\"\ncenter = [0, 0, 0]\nradius = 2\n"
       "[[surface]]\nname = \"rod\"\nkind = \"cylinder\"\npoint = [0, 0, 0]\naxis = [0, 1, 0]\nradius = 2\n");
-  Solved cube(comm, test::kuhn_cube(comm, 1), cube_boundary("condition = \"potential\"\nvalue = 1"));
+  Solved cube(comm, test::kuhn_cube(comm, 1), cube_boundary("kind = \"potential\"\nvalue = 1"));
   for (const geometry::Vec3 point : {geometry::Vec3{0, 0, 1.9}, {0.3, -0.2, 1.9}, {0.5, 0.5, 2.1}}) {
     // A face normal to z. A projection along radii shrinks areas by the square of the radius, on a rod by the radius.
     const double r = norm(point), s = std::hypot(point.x, point.z), tilt = point.z / r, tilt_of_rod = point.z / s;
@@ -393,7 +393,7 @@ TEST(ShapeChange, FindsTheChargeThatChordsOfACurvedEdgeMiss) {
     for (auto& patch : block.info.patches)
       if (patch.name == "xmin") patch.surface = 0;
     Solved cube(comm, std::move(block),
-                cube_boundary("condition = \"potential\"\nvalue = 1", "zmin", "condition = \"charge\"\nvalue = -3"));
+                cube_boundary("kind = \"potential\"\nvalue = 1", "zmin", "kind = \"charge\"\nvalue = -3"));
     const std::vector<double> w(cube.domain.point.size(), 0.5);
     const double segment = radius * radius * (half_angle - 0.5 * std::sin(2 * half_angle));
     const State state{cube.problem, cube.solution.u, cube.solution.reaction, {}, {}, {}};
@@ -416,7 +416,7 @@ TEST(FarField, IsInTheBarWithWhatItLacksToTheLiquidBeyond) {
     const auto analysis =
         on_shell(comm, 1,
                  fmt::format("[equation]\nlinear = {}\n{}[estimator]\ngoal = \"charge\"\ngoal_patch = \"inner\"\n"
-                             "[boundary.inner]\ncondition = \"potential\"\nvalue = {}\n[boundary.outer]\ncondition = "
+                             "[boundary.inner]\nkind = \"potential\"\nvalue = {}\n[boundary.outer]\nkind = "
                              "\"far-field\"\n{}",
                              c.is_linear, second_order, c.potential,
                              c.has_sphere ? "[[sphere]]\npatch = \"inner\"\ncenter = [0, 0, 0]\nradius = 1\n" : ""));
@@ -434,8 +434,8 @@ TEST(SecondOrder, AgreesOnAnyNumberOfRanks) {
   const par::Comm world(MPI_COMM_WORLD), self(MPI_COMM_SELF);
   const std::string text = second_order +
                            "[estimator]\ngoal = \"energy\"\n"
-                           "[boundary.inner]\ncondition = \"charge\"\nvalue = 3\n"
-                           "[boundary.outer]\ncondition = \"far-field\"\n";
+                           "[boundary.inner]\nkind = \"charge\"\nvalue = 3\n"
+                           "[boundary.outer]\nkind = \"far-field\"\n";
   const auto here = on_shell(world, 0, text), alone = on_shell(self, 0, text);
   EXPECT_NEAR(*here.patches[1].charge / *alone.patches[1].charge, 1, 1e-9);
   EXPECT_NEAR(here.energy->total / alone.energy->total, 1, 1e-9);
@@ -451,11 +451,11 @@ TEST(SecondOrder, AgreesOnAnyNumberOfRanks) {
 TEST(SecondOrder, GivesTheForceBetweenFlatWalls) {
   const par::Comm comm(MPI_COMM_WORLD);
   const std::string walls = "[equation]\nlinear = true\n" + second_order +
-                            "[boundary.xmin]\ncondition = \"potential\"\nvalue = 2\n"
-                            "[boundary.xmax]\ncondition = \"symmetry\"\n[force]\nmidplane = \"xmax\"\n";
+                            "[boundary.xmin]\nkind = \"potential\"\nvalue = 2\n"
+                            "[boundary.xmax]\nkind = \"symmetry\"\n[force]\nmidplane = \"xmax\"\n";
   std::string sides;
   for (const std::string patch : {"ymin", "ymax", "zmin", "zmax"})
-    sides += "[boundary." + patch + "]\ncondition = \"symmetry\"\n";
+    sides += "[boundary." + patch + "]\nkind = \"symmetry\"\n";
   Solved solved(comm, test::kuhn_cube(comm, 4), walls + sides);
   const auto analysis = solved.analysis(comm);
   // psi = 2 cosh(1 - x) / cosh 1: the pressure on the mirror is psi(1)^2/2, the charge 2 tanh 1
@@ -474,7 +474,7 @@ TEST(SecondOrder, GivesTheForceBetweenFlatWalls) {
 }
 
 TEST(SecondOrder, RefusesWhatItDoesNotHave) {
-  const auto boundary = cube_boundary("condition = \"potential\"\nvalue = 1");
+  const auto boundary = cube_boundary("kind = \"potential\"\nvalue = 1");
   EXPECT_THROW(read_case("[solver]\norder = 3\n" + boundary, "case"), Error);
   EXPECT_THROW(read_case("[solver]\norder = 2\nquadrature = \"gauss\"\n" + boundary, "case"), Error);
 }

@@ -11,15 +11,15 @@
 namespace pamr::poisson_boltzmann {
 namespace solve_test {
 
-const std::string mirrors = "condition = \"symmetry\"";
-std::string potential(double value) { return "condition = \"potential\"\nvalue = " + std::to_string(value); }
+const std::string mirrors = "kind = \"symmetry\"";
+std::string potential(double value) { return "kind = \"potential\"\nvalue = " + std::to_string(value); }
 
 struct Errors {
   double l2, h1;
 };
 Errors manufactured_errors(const par::Comm& comm, int n, const std::string& solver) {
   Solved solved(comm, test::kuhn_cube(comm, n),
-                "[equation]\nmanufactured = true\n" + solver + cube_boundary("condition = \"manufactured\""));
+                "[equation]\nmanufactured = true\n" + solver + cube_boundary("kind = \"manufactured\""));
   const auto analysis = solved.analysis(comm);
   return {*analysis.manufactured_l2, *analysis.manufactured_h1};
 }
@@ -38,7 +38,7 @@ TEST(Solve, ConvergesWithTheOrdersOfLinearElements) {
 TEST(Solve, ConvergesOnAMeshWithoutOrder) {
   par::Comm comm(MPI_COMM_WORLD);
   Solved solved(comm, test::random_mesh(comm, 7, 4),
-                "[equation]\nmanufactured = true\n" + cube_boundary("condition = \"manufactured\""));
+                "[equation]\nmanufactured = true\n" + cube_boundary("kind = \"manufactured\""));
 
   EXPECT_TRUE(solved.solution.converged);
   EXPECT_LT(*solved.analysis(comm).manufactured_l2, 0.02);
@@ -84,7 +84,7 @@ TEST(Solve, FindsNothingBesideThePlateProfileWhenItIsSplitOff) {
   par::Comm comm(MPI_COMM_WORLD);
   Solved solved(comm, test::kuhn_cube(comm, 4),
                 "[equation]\nsplit = true\n[plate]\npatch = \"zmin\"\n" +
-                    cube_boundary("condition = \"plate-profile\"", "zmin", potential(5)));
+                    cube_boundary("kind = \"plate-profile\"", "zmin", potential(5)));
   const auto analysis = solved.analysis(comm);
 
   for (const double u : solved.solution.u) ASSERT_NEAR(u, 0, 1e-12);
@@ -94,7 +94,7 @@ TEST(Solve, FindsNothingBesideThePlateProfileWhenItIsSplitOff) {
 
 TEST(Solve, TakesAGivenChargeAndGivesItsPotential) {
   par::Comm comm(MPI_COMM_WORLD);
-  const std::string charge = "condition = \"charge\"\nvalue = 1.5";
+  const std::string charge = "kind = \"charge\"\nvalue = 1.5";
   Solved solved(comm, test::kuhn_cube(comm, 12),
                 "[equation]\nlinear = true\n" + cube_boundary(mirrors, "xmin", charge));
   const auto analysis = solved.analysis(comm);
@@ -111,7 +111,7 @@ TEST(Solve, TakesAGivenChargeAlikeWhetherTheProfileIsSplitOffOrNot) {
   par::Comm comm(MPI_COMM_WORLD);
   auto walls = cube_boundary(mirrors, "zmin", potential(2));
   walls.replace(walls.find("[boundary.zmax]\n" + mirrors), 16 + mirrors.size(),
-                "[boundary.zmax]\ncondition = \"charge\"\nvalue = 0.7");
+                "[boundary.zmax]\nkind = \"charge\"\nvalue = 0.7");
   Solved whole(comm, test::kuhn_cube(comm, 10), walls);
   Solved split(comm, test::kuhn_cube(comm, 10), "[equation]\nsplit = true\n[plate]\npatch = \"zmin\"\n" + walls);
 
@@ -122,8 +122,7 @@ TEST(Solve, TakesAGivenChargeAlikeWhetherTheProfileIsSplitOffOrNot) {
 TEST(Solve, DecaysThroughAFarFieldWall) {
   par::Comm comm(MPI_COMM_WORLD);
   auto text = cube_boundary(mirrors, "xmin", potential(1));
-  text.replace(text.find("[boundary.xmax]\n" + mirrors), 16 + mirrors.size(),
-               "[boundary.xmax]\ncondition = \"far-field\"");
+  text.replace(text.find("[boundary.xmax]\n" + mirrors), 16 + mirrors.size(), "[boundary.xmax]\nkind = \"far-field\"");
   Solved solved(comm, test::kuhn_cube(comm, 10), "[equation]\nlinear = true\n" + text);
 
   for (std::size_t i = 0; i < solved.domain.point.size(); ++i)
@@ -186,8 +185,8 @@ TEST(MemoryNeeded, CountsTheEntriesOfTheMatrixFromTheMesh) {
 TEST(MakeDomain, RefusesPatchesThatDoNotMatch) {
   par::Comm comm(MPI_COMM_WORLD);
   const auto mesh = assemble::assemble(comm, test::kuhn_cube(comm, 2));
-  const auto lacking = read_case("[boundary.xmin]\ncondition = \"potential\"\nvalue = 1\n", "c");
-  const auto unknown = read_case(cube_boundary(potential(1)) + "[boundary.hull]\ncondition = \"symmetry\"\n", "c");
+  const auto lacking = read_case("[boundary.xmin]\nkind = \"potential\"\nvalue = 1\n", "c");
+  const auto unknown = read_case(cube_boundary(potential(1)) + "[boundary.hull]\nkind = \"symmetry\"\n", "c");
 
   EXPECT_THROW(make_domain(comm, mesh, lacking, "c"), Error);
   EXPECT_THROW(make_domain(comm, mesh, unknown, "c"), Error);

@@ -249,8 +249,10 @@ class Reader {
   Boundary read_boundary(const TomlTable& table) const {
     Boundary boundary;
     boundary.patch = table.name();
-    const auto word = table.word(
-        "condition", {"potential", "charge", "regulated", "symmetry", "plate-profile", "far-field", "manufactured"});
+    const bool is_old = table.has("condition");  // what `kind` was called
+    if (is_old && table.has("kind")) table.refuse("condition", "either kind or its old name condition", "both");
+    const auto word = table.word(is_old ? "condition" : "kind", {"potential", "charge", "regulated", "symmetry",
+                                                                 "plate-profile", "far-field", "manufactured"});
     for (const auto& [condition, name] : condition_names)
       if (word == name) boundary.condition = condition;
     const auto units = units_of(result_.electrolyte);
@@ -334,8 +336,7 @@ class Reader {
     if (result_.plate) {
       const auto* plate = result_.find_boundary(result_.plate->patch);
       if (plate == nullptr || plate->condition != Condition::potential)
-        refuse(fmt::format("[boundary.{}] with condition = \"potential\" for the patch of the plate",
-                           result_.plate->patch),
+        refuse(fmt::format("[boundary.{}] with kind = \"potential\" for the patch of the plate", result_.plate->patch),
                plate == nullptr ? "none" : std::string("\"") + name_of(plate->condition) + "\"");
       result_.plate->potential = plate->value;
     }
@@ -346,7 +347,7 @@ class Reader {
     for (const auto& b : result_.boundary) {
       driven = driven || fixes_potential(b.condition) || b.holds_charge();
       if (b.condition == Condition::manufactured && !result_.manufactured)
-        refuse("manufactured = true in [equation] with condition \"manufactured\"", "none");
+        refuse("manufactured = true in [equation] with kind = \"manufactured\"", "none");
     }
     if (!driven && !result_.manufactured)
       refuse("a patch with a given potential or charge, or a regulated one",
