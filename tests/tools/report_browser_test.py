@@ -226,8 +226,9 @@ def test_tables_come_first_on_a_phone():
     top = "document.getElementById('{}').getBoundingClientRect().top"
     for width, is_first in ((390, True), (480, True), (800, False)):
         with OpenPage(page) as seen:
+            seen.rest()  # drawn for a wide window, whose charts follow
             seen._call("Emulation.setDeviceMetricsOverride", width=width, height=800, deviceScaleFactor=1, mobile=width < 500)
-            seen.rest()
+            seen.rest().value("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done(0))))")
             assert (seen.value(top.format("levels")) < seen.value(top.format("view"))) == is_first, width
             assert seen.value("document.documentElement.scrollWidth") <= width, width
 

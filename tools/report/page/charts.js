@@ -24,6 +24,15 @@ function axis(extra) {
   return {stroke: styleValue("--soft"), grid: {stroke: styleValue("--line"), width: 1}, ticks: {show: false}, ...extra};
 }
 
+function sizeIn(box) { return {width: Math.max(box.clientWidth - 14, 320), height: 230}; }
+
+// As wide as its box, also when the window gets another width.
+function chartIn(box, options, data) {
+  const chart = new uPlot({...options, ...sizeIn(box)}, data, box);
+  new ResizeObserver(() => { if (sizeIn(box).width !== chart.width) chart.setSize(sizeIn(box)); }).observe(box);
+  return chart;
+}
+
 function drawChart(parent, meshes, metric, isLog) {
   const colors = styleValue("--series").split(",").map((color) => color.trim());
   const isRatio = metric === "aspect_ratio" || metric === "edge_ratio";
@@ -37,16 +46,15 @@ function drawChart(parent, meshes, metric, isLog) {
       value: percent});
   });
   const box = addText(parent, "div", "", "chart");
-  return new uPlot({
-    title: `${metric.replace("_", " ")}: cells and cumulative, percent`,
-    width: Math.max(box.clientWidth - 14, 320), height: 230, series,
+  return chartIn(box, {
+    title: `${metric.replace("_", " ")}: cells and cumulative, percent`, series,
     scales: {
       x: {time: false, distr: isRatio ? 3 : 1, range: (u, min, max) => [min, max]},
       y: isLog ? {distr: 3} : {range: (u, min, max) => [0, max * 1.05 || 1]},
       sum: {range: [0, 100]},
     },
     axes: [axis({size: 30}), axis({size: 48}), axis({scale: "sum", side: 1, size: 40, grid: {show: false}})],
-  }, curvesOf(meshes, metric, isLog), box);
+  }, curvesOf(meshes, metric, isLog));
 }
 
 function drawCharts(parent, meshes, isLog) {
@@ -61,9 +69,8 @@ function drawHistory(parent, meshes) {
   const colors = styleValue("--series").split(",").map((color) => color.trim());
   const box = addText(parent, "div", "", "chart");
   const label = (u, i) => meshes[i] ? meshes[i].file : "";
-  return new uPlot({
+  return chartIn(box, {
     title: "Cells (left) and worst mean ratio (right), mesh by mesh",
-    width: Math.max(box.clientWidth - 14, 320), height: 230,
     series: [
       {label: "mesh", value: label},
       {label: "cells", stroke: colors[0], width: 1.5},
@@ -74,5 +81,5 @@ function drawHistory(parent, meshes) {
       axis({size: 30, splits: () => meshes.map((_, i) => i), values: (u, places) => places.map((i) => label(u, i))}),
       axis({size: 70}), axis({scale: "ratio", side: 1, size: 40, grid: {show: false}}),
     ],
-  }, [meshes.map((_, i) => i), meshes.map((mesh) => mesh.cells), meshes.map((mesh) => mesh.mean_ratio.min)], box);
+  }, [meshes.map((_, i) => i), meshes.map((mesh) => mesh.cells), meshes.map((mesh) => mesh.mean_ratio.min)]);
 }
