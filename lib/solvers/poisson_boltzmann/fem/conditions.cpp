@@ -6,8 +6,7 @@
 #include <limits>
 
 #include "pamr/base/index.hpp"
-#include "solvers/poisson_boltzmann/fem/quadratic_stiffness.hpp"
-#include "solvers/poisson_boltzmann/fem/quadrature.hpp"
+#include "solvers/poisson_boltzmann/fem/elements.hpp"
 
 namespace pamr::poisson_boltzmann {
 
@@ -45,12 +44,10 @@ class Builder {
     result_.load.assign(n, 0);
     result_.fixed_area.assign(n, 0);
     fix_nodes(comm);
-    if (domain_.quadratic) {
-      result_.load = quadratic_load(domain_, problem_);
-    } else {
-      for (const auto& face : domain_.faces) add_face(face);
-      if (problem_.manufactured) add_manufactured_source();
-    }
+    with_element(domain_, [&](const auto& element) {
+      for (std::size_t f = 0; f < domain_.faces.size(); ++f) add_face(element, f);
+      if (problem_.manufactured) add_manufactured_source(element);
+    });
     domain_.nodes.sum_copies(comm, result_.robin);
     domain_.nodes.sum_copies(comm, result_.load);
     domain_.nodes.sum_copies(comm, result_.fixed_area);
@@ -104,53 +101,47 @@ class Builder {
     result_.n_contradictions = comm.sum(n_contradictions);
   }
 
-  void add_face(const BoundaryFace& face) {
-    const auto& b = *boundary_[at(face.patch)];
-    const double third = face.area / 3;
-    if (claim_of(b, face.patch) != nobody) {
-      for (const auto node : face.node) result_.fixed_area[at(node)] += third;
-      return;
-    }
-    double alpha = 0;
-    if (b.condition == Condition::far_field) {
-      Vec3 middle;
-      for (const auto node : face.node) middle += (1.0 / 3) * domain_.point[at(node)];
-      alpha = far_field_coefficient(problem_.spheres, middle, face.normal);
-    }
-    for (const auto node : face.node) {
-      const auto i = at(node);
-      const double z = domain_.point[i].z, slope = face.normal.z * profile_.slope(z);
-      result_.robin[i] += alpha * third;
-      if (b.condition == Condition::far_field) {
-        if (!problem_.split) result_.load[i] += third * (alpha * profile_.potential(z) + slope);
-      } else {
-        const double charge = b.condition == Condition::charge ? b.value : 0;
-        result_.load[i] += third * (charge - (problem_.split ? slope : 0));
+  template <class Element>
+  void add_face(const Element& element, std::size_t f) {
+    const int patch = domain_.faces[f].patch;
+    const auto& b = *boundary_[at(patch)];
+    const bool is_fixed = claim_of(b, patch) != nobody, is_far = b.condition == Condition::far_field;
+    if (is_fixed && !Element::has_lumped_walls) return;
+    const auto face = element.face(f);
+    face.at_wall_points([&](const auto& point) {
+      const double flux = is_fixed ? 0 : given_flux(problem_, profile_, b, point);
+      const double alpha =
+          is_far && Element::has_lumped_walls ? far_field_coefficient(problem_.spheres, point.middle, point.normal) : 0;
+      for (std::size_t k = 0; k < face.nodes.size(); ++k) {
+        const auto node = at(face.nodes[k]);
+        if (is_fixed) result_.fixed_area[node] += point.area * point.value[k];
+        result_.load[node] += flux * point.area * point.value[k];
+        result_.robin[node] += alpha * point.area * point.value[k];
       }
-    }
+    });
   }
 
   /// The equation becomes lap psi = sinh psi + s with s = lap psi* - sinh psi*, lap psi* = -psi*.
-  void add_manufactured_source() {
+  template <class Element>
+  void add_manufactured_source(const Element& element) {
     const auto term = problem_.term();
     const auto source = [&](Vec3 point) {
       const double psi = manufactured_potential(point);
-      return -psi - term.value(psi, 0);
+      return psi + term.value(psi, 0);
     };
-    const auto& cells = domain_.mesh->cell_to_node;
-    for (std::size_t c = 0; c < cells.size(); ++c) {
-      const auto p = domain_.points(c);
-      const double volume = geometry::volume(p);
-      if (problem_.solver.quadrature == Quadrature::nodal) {
-        for (std::size_t k = 0; k < 4; ++k) result_.load[at(cells[c][k])] -= volume / 4 * source(p[k]);
-        continue;
+    if (Element::has_lumped_walls && problem_.solver.quadrature == Quadrature::nodal) {
+      for (std::size_t c = 0; c < element.cells().size(); ++c) {
+        const double quarter = geometry::volume(domain_.points(c)) / 4;
+        for (const auto node : element.cells()[c]) result_.load[at(node)] += quarter * source(domain_.point[at(node)]);
       }
-      for (const auto& gauss : gauss_points) {
-        Vec3 point;
-        for (std::size_t k = 0; k < 4; ++k) point += gauss.weight_of_corner[k] * p[k];
-        const double amount = volume * gauss.weight * source(point);
-        for (std::size_t k = 0; k < 4; ++k) result_.load[at(cells[c][k])] -= amount * gauss.weight_of_corner[k];
-      }
+      return;
+    }
+    for (std::size_t c = 0; c < element.cells().size(); ++c) {
+      const auto cell = element.cell(c);
+      cell.at_points([&](const auto& point) {
+        const double amount = point.weight * source(point.position);
+        for (std::size_t k = 0; k < cell.nodes.size(); ++k) result_.load[at(cell.nodes[k])] += amount * point.value[k];
+      });
     }
   }
 
@@ -184,6 +175,14 @@ double far_field_coefficient(const std::vector<Sphere>& spheres, Vec3 point, Vec
     slope += share * (1 + 1 / distance) * dot(away, normal) / distance;
   }
   return std::max(0.0, slope / sum);
+}
+
+double given_flux(const Case& input, const PlateProfile& profile, const Boundary& b, const PlacedFacePoint& point) {
+  const double z = point.position.z, slope = point.normal.z * profile.slope(z);
+  if (b.condition != Condition::far_field)
+    return (b.condition == Condition::charge ? b.value : 0) - (input.split ? slope : 0);
+  if (input.split) return 0;
+  return far_field_coefficient(input.spheres, point.middle, point.normal) * profile.potential(z) + slope;
 }
 
 Conditions make_conditions(const par::Comm& comm, const Domain& domain, const Case& problem) {

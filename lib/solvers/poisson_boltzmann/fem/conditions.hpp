@@ -30,6 +30,11 @@ geometry::Vec3 manufactured_gradient(geometry::Vec3 point);
 /// of a case, each exp(-d)/d alone, in the direction of `normal`; 1 where there is no sphere; not negative.
 double far_field_coefficient(const std::vector<Sphere>& spheres, geometry::Vec3 point, geometry::Vec3 normal);
 
+/// dpsi/dn out of the liquid that a patch gives whose potential is free, but for what depends on u at the far field and
+/// on walls with sites.
+double given_flux(const Case& input, const PlateProfile& profile, const Boundary& boundary,
+                  const PlacedFacePoint& point);
+
 /// Works them out. Where patches with given u meet, one with a given potential goes before one with another condition,
 /// and then the first patch of the mesh. Collective: a few exchanges, one reduction. Pre: `domain` was made for the
 /// case.

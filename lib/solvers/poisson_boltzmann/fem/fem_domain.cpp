@@ -14,6 +14,7 @@
 #include "pamr/mesh/tet.hpp"
 #include "pamr/par/exchange.hpp"
 #include "pamr/par/reproducible_sum.hpp"
+#include "solvers/poisson_boltzmann/fem/elements.hpp"
 #include "solvers/poisson_boltzmann/fem/preconditioner.hpp"
 
 namespace pamr::poisson_boltzmann {
@@ -112,19 +113,21 @@ std::vector<BoundaryFace> find_faces(const mesh::DistMesh& mesh, const std::vect
   return faces;
 }
 
-std::vector<PatchShape> measure(const par::Comm& comm, std::size_t n_patches, const std::vector<Vec3>& point,
-                                const std::vector<BoundaryFace>& faces) {
+template <class Element>
+std::vector<PatchShape> measure(const par::Comm& comm, const Element& element) {
+  const auto n_patches = element.domain.mesh->info.patches.size();
   std::vector<par::ExactSum> area(n_patches);
   std::vector<std::int64_t> count(n_patches, 0), off_axis(3 * n_patches, 0);
   std::vector<double> highest(3 * n_patches, -std::numeric_limits<double>::infinity());
-  for (const auto& face : faces) {
+  for (std::size_t f = 0; f < element.domain.faces.size(); ++f) {
+    const auto& face = element.domain.faces[f];
     const auto p = at(face.patch);
-    area[p].add(face.area);
+    element.face(f).at_areas([&](double of_point) { area[p].add(of_point); });
     ++count[p];
     for (int axis = 0; axis < 3; ++axis)
       if (std::abs(std::abs(face.normal[at(axis)]) - 1) > 1e-9) ++off_axis[3 * p + at(axis)];
     for (std::size_t axis = 0; axis < 3; ++axis)
-      highest[3 * p + axis] = std::max(highest[3 * p + axis], point[at(face.node[0])][axis]);
+      highest[3 * p + axis] = std::max(highest[3 * p + axis], element.domain.point[at(face.node[0])][axis]);
   }
   const auto areas = par::reproducible_sums(comm, area);
   comm.sum_in_place(count);
@@ -138,17 +141,6 @@ std::vector<PatchShape> measure(const par::Comm& comm, std::size_t n_patches, co
     if (patches[p].axis >= 0) patches[p].level = comm.max(highest[3 * p + at(patches[p].axis)]);
   }
   return patches;
-}
-
-/// Areas of the patches with curved faces. Collective.
-void measure_curved(const par::Comm& comm, Domain& domain) {
-  std::vector<par::ExactSum> area(domain.patches.size());
-  for (std::size_t f = 0; f < domain.faces.size(); ++f) {
-    const auto node = domain.quadratic->face_points(domain, f);
-    for (const auto& point : face_points()) area[at(domain.faces[f].patch)].add(place(node, point).area);
-  }
-  const auto areas = par::reproducible_sums(comm, area);
-  for (std::size_t p = 0; p < areas.size(); ++p) domain.patches[p].area = areas[p];
 }
 
 }  // namespace
@@ -179,17 +171,13 @@ Domain make_domain(const par::Comm& comm, const mesh::DistMesh& mesh, const Case
   if (problem.solver.order == 2) make_quadratic(comm, slot_of_face, domain);
   domain.node_volume.resize(domain.point.size(), 0);
   domain.node_patches.assign(domain.point.size(), 0);
-  for (std::size_t f = 0; f < domain.faces.size(); ++f) {
-    const auto bit = std::uint64_t{1} << static_cast<unsigned>(domain.faces[f].patch);
-    for (const auto node : domain.faces[f].node) domain.node_patches[at(node)] |= bit;
-    if (domain.quadratic)
-      for (const auto node : domain.quadratic->face_to_node[f]) domain.node_patches[at(node)] |= bit;
-  }
+  for (std::size_t f = 0; f < domain.faces.size(); ++f)
+    for (const auto node : domain.face_nodes(f))
+      domain.node_patches[at(node)] |= std::uint64_t{1} << static_cast<unsigned>(domain.faces[f].patch);
   par::fold_shared(par::Exchange(comm, domain.nodes.shared()), domain.node_patches,
                    [](std::uint64_t& mine, std::uint64_t theirs) { mine |= theirs; });
   require_bodies(comm, domain, problem, where);
-  domain.patches = measure(comm, mesh.info.patches.size(), domain.point, domain.faces);
-  if (domain.quadratic) measure_curved(comm, domain);
+  domain.patches = with_element(domain, [&](const auto& element) { return measure(comm, element); });
   for (std::size_t p = 0; p < domain.patches.size(); ++p)
     if (domain.patches[p].n_faces > 0 && problem.find_boundary(mesh.info.patches[p].name) == nullptr)
       throw Error(
@@ -212,11 +200,10 @@ Memory memory_needed(const mesh::DistMesh& mesh, const Case& problem) {
   // Of second order a corner meets all nodes of the cells around it, some 65, a mid-edge node some 25.
   memory.n_entries = is_linear ? n_nodes + 2 * n_edges : 65 * n_nodes + 25 * n_edges;
   memory.mesh = static_cast<std::int64_t>(mesh::bytes_at_rest(mesh));
-  // Two matrices of 8 + 4 bytes an entry, or one and the rows that it is assembled from, and of first order half of
-  // them again. Some 55 numbers a node: conditions, vectors of the solvers, gradients, fields of the answer. 11 a cell:
+  // Two matrices of 8 + 4 bytes an entry, or one and the rows that it is assembled from, and half of them again. Some 55 numbers a node: conditions, vectors of the solvers, gradients, fields of the answer. 11 a cell:
   // gradients and error estimates.
   memory.program = 50'000'000;
-  memory.solve = (is_linear ? 30 : 24) * memory.n_entries + 440 * (is_linear ? n_nodes : n_nodes + n_edges) +
+  memory.solve = 30 * memory.n_entries + 440 * (is_linear ? n_nodes : n_nodes + n_edges) +
                  (is_linear ? 88 : 240) * n_cells + 56 * n_outer_faces;
   // The error of second order: a block of 210 entries and 20 numbers a cell, some ten numbers a function of third
   // order.

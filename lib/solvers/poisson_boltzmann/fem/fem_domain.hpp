@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "pamr/base/index.hpp"
@@ -68,6 +69,13 @@ struct Domain {
   geometry::TetPoints points(std::size_t cell) const {
     const auto& n = mesh->cell_to_node[cell];
     return {point[at(n[0])], point[at(n[1])], point[at(n[2])], point[at(n[3])]};
+  }
+  /// Of all nodes, those of second order included.
+  GlobalId n_global_nodes() const { return quadratic ? quadratic->n_global_nodes : mesh->info.n_global_nodes; }
+  const std::vector<GlobalId>& node_global() const { return quadratic ? quadratic->node_global : mesh->node_global; }
+  /// Of a boundary face: its corners and, of second order, the middles of its edges.
+  std::span<const LocalId> face_nodes(std::size_t face) const {
+    return quadratic ? std::span<const LocalId>(quadratic->face_to_node[face]) : faces[face].node;
   }
   /// Number of a patch; -1 when the mesh has none of that name.
   int patch_number(std::string_view name) const;

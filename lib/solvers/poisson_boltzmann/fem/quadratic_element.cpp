@@ -180,6 +180,7 @@ PlacedFacePoint place(const OfFaceNodes<Vec3>& node, const FacePoint& point) {
   const double size = norm(normal);
   placed.normal = (1 / size) * normal;
   placed.area = 0.5 * size * point.weight;
+  placed.middle = placed.position;
   return placed;
 }
 

@@ -69,6 +69,8 @@ struct PlacedFacePoint {
   geometry::Vec3 position;
   geometry::Vec3 normal;  ///< unit; seen from its tip the corners run counter-clockwise
   double area = 0;        ///< that the point stands for
+  /// Where the far field and a force are taken at: the point; of first order the middle of the face.
+  geometry::Vec3 middle;
 };
 PlacedFacePoint place(const OfFaceNodes<geometry::Vec3>& node, const FacePoint& point);
 

@@ -25,7 +25,7 @@ void add_site_matrix(const Problem& problem, std::span<const double> u, Mat matr
     for (std::size_t i = 0; i < n; ++i) {
       const auto node = at(point.nodes[i]);
       row[i] = problem.conditions.fixed[node] != 0 ? -1 : problem.domain.nodes.equation()[node];
-      for (std::size_t j = 0; j < n; ++j) block[n * i + j] = amount * point.shape[i] * point.shape[j];
+      for (std::size_t j = 0; j < n; ++j) block[n * i + j] = amount * point.value[i] * point.value[j];
     }
     const auto size = static_cast<PetscInt>(n);
     require(MatSetValues(matrix, size, row.data(), size, row.data(), block.data(), ADD_VALUES));

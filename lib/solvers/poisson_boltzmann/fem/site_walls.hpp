@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "solvers/poisson_boltzmann/fem/elements.hpp"
 #include "solvers/poisson_boltzmann/fem/petsc.hpp"
-#include "solvers/poisson_boltzmann/fem/problem.hpp"
 
 /// The terms that walls with sites, whose charge follows from the potential, add to the equation. They are lumped at
 /// the nodes of flat faces, as given charges are, and taken by points of curved ones.
@@ -16,7 +16,7 @@ namespace pamr::poisson_boltzmann {
 struct SitePoint {
   std::size_t face = 0;            ///< of `Domain::faces`
   std::span<const LocalId> nodes;  ///< of the face, three or six
-  std::span<const double> shape;   ///< their functions at the point
+  std::span<const double> value;   ///< of their functions at the point
   double area = 0;                 ///< that the point stands for, Debye lengths squared
   double psi = 0;
   const SiteCharge* site = nullptr;
@@ -25,12 +25,12 @@ struct SitePoint {
   /// The value at the point of what has these values at all nodes.
   double value_of(std::span<const double> at_nodes) const {
     double sum = 0;
-    for (std::size_t k = 0; k < nodes.size(); ++k) sum += shape[k] * at_nodes[at(nodes[k])];
+    for (std::size_t k = 0; k < nodes.size(); ++k) sum += value[k] * at_nodes[at(nodes[k])];
     return sum;
   }
   /// Adds an amount to the nodes, by their functions.
   void add(double amount, std::vector<double>& to) const {
-    for (std::size_t k = 0; k < nodes.size(); ++k) to[at(nodes[k])] += amount * shape[k];
+    for (std::size_t k = 0; k < nodes.size(); ++k) to[at(nodes[k])] += amount * value[k];
   }
 };
 
@@ -38,32 +38,19 @@ struct SitePoint {
 template <class Use>
 void at_site_points(const Problem& problem, std::span<const double> u, const Use& use) {
   if (!problem.input.has_regulated()) return;
-  constexpr std::array<std::array<double, 3>, 3> corner_shape{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
   const auto& domain = problem.domain;
-  for (std::size_t f = 0; f < domain.faces.size(); ++f) {
-    const auto& face = domain.faces[f];
-    const auto& b = *problem.input.find_boundary(domain.mesh->info.patches[at(face.patch)].name);
-    if (b.condition != Condition::regulated) continue;
-    SitePoint point{f, face.node, {}, face.area / 3, 0, &b.site};
-    if (!domain.quadratic) {
-      for (std::size_t k = 0; k < 3; ++k, ++point.index) {
-        point.shape = corner_shape[k];
-        point.psi = problem.conditions.psi0[at(face.node[k])] + u[at(face.node[k])];
+  with_element(domain, [&](const auto& element) {
+    for (std::size_t f = 0; f < domain.faces.size(); ++f) {
+      const auto& b = *problem.input.find_boundary(domain.mesh->info.patches[at(domain.faces[f].patch)].name);
+      if (b.condition != Condition::regulated) continue;
+      const auto face = element.face(f);
+      face.at_wall_points([&](const auto& on_face) {
+        SitePoint point{f, face.nodes, on_face.value, on_face.area, 0, &b.site, on_face.index};
+        point.psi = face.split_potential(problem, on_face) + point.value_of(u);
         use(point);
-      }
-      continue;
+      });
     }
-    point.nodes = domain.quadratic->face_to_node[f];
-    const auto position = domain.quadratic->face_points(domain, f);
-    for (const auto& of_face : face_points()) {
-      const auto placed = place(position, of_face);
-      point.shape = of_face.value;
-      point.area = placed.area;
-      point.psi = problem.split_potential(placed.position.z) + point.value_of(u);
-      use(point);
-      ++point.index;
-    }
-  }
+  });
 }
 
 /// Adds the integral of the charge density times each shape function, times `factor`. Local.
@@ -73,7 +60,7 @@ void add_site_charge(const Problem& problem, std::span<const double> u, double f
 void add_site_slope(const Problem& problem, std::span<const double> u, std::span<const double> w,
                     std::vector<double>& to);
 
-/// Adds the matrix of that product, of second order, to one that has its entries; nodes with given u are left out.
+/// Adds the matrix of that product to one that has its entries; nodes with given u are left out.
 /// Collective, and only where there are such walls.
 void add_site_matrix(const Problem& problem, std::span<const double> u, Mat matrix);
 

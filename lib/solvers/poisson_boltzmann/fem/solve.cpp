@@ -4,15 +4,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "pamr/base/index.hpp"
 #include "solvers/poisson_boltzmann/fem/harmonic.hpp"
 #include "solvers/poisson_boltzmann/fem/preconditioner.hpp"
-#include "solvers/poisson_boltzmann/fem/quadratic_stiffness.hpp"
-#include "solvers/poisson_boltzmann/fem/quadrature.hpp"
 #include "solvers/poisson_boltzmann/fem/site_walls.hpp"
+#include "solvers/poisson_boltzmann/fem/source_integrals.hpp"
 
 namespace pamr::poisson_boltzmann {
 
@@ -20,15 +18,6 @@ namespace {
 
 /// Share by which two evaluations of one residual may differ.
 constexpr double repeat_rounding = 1e-9;
-
-/// The values at the four corners of a cell.
-std::array<double, 4> at_corners(const mesh::CellNodes& nodes, std::span<const double> value) {
-  return {value[at(nodes[0])], value[at(nodes[1])], value[at(nodes[2])], value[at(nodes[3])]};
-}
-
-double interpolate(const std::array<double, 4>& value, const std::array<double, 4>& weight) {
-  return value[0] * weight[0] + value[1] * weight[1] + value[2] * weight[2] + value[3] * weight[3];
-}
 
 /// What PETSc hands to the monitor of one solve.
 struct MonitorContext {
@@ -61,9 +50,9 @@ System::System(const par::Comm& comm, const Problem& problem, const std::functio
   require(SNESCreate(comm.handle(), snes_.address()));
   configure(snes_);
   if (before_matrices) before_matrices();
-  if (!domain_.quadratic) rows_ = stiffness_rows(domain_, !is_nodal());
-  stiffness_ =
-      domain_.quadratic ? assemble_quadratic_stiffness(comm, problem) : assemble_stiffness(comm, domain_, rows_);
+  rows_ = stiffness_rows(domain_, !is_nodal());
+  add_far_field(problem, rows_);
+  stiffness_ = assemble_stiffness(comm, domain_, rows_);
   require(MatCreateVecs(stiffness_, unknown_.address(), work_.address()));
   require(VecDuplicate(unknown_, diagonal_.address()));
   require(VecDuplicate(unknown_, updated_.address()));
@@ -82,12 +71,6 @@ void System::eliminate_fixed() {
   for (const auto node : domain_.nodes.owned())
     if (conditions_.fixed[at(node)] != 0) fixed.push_back(domain_.nodes.equation()[at(node)]);
   require(MatZeroRowsColumns(jacobian_, static_cast<PetscInt>(fixed.size()), fixed.data(), 1.0, nullptr, nullptr));
-}
-
-void System::restore_jacobian() {
-  require(MatCopy(stiffness_, jacobian_, SAME_NONZERO_PATTERN));
-  eliminate_fixed();
-  has_jacobian_ = true;
 }
 
 void System::configure(KSP ksp) const {
@@ -138,7 +121,7 @@ void System::residual(Vec u, Vec f, bool with_fixed) const {
   if (has_integrals) {
     integral.assign(domain_.point.size(), 0);
     const auto local = local_values(u);
-    if (!nodal) add_gauss(local, integral);
+    if (!nodal) add_source(problem_, local, integral);
     add_site_charge(problem_, local, -1, integral);
     domain_.nodes.sum_copies(comm_, integral);
   }
@@ -157,76 +140,18 @@ void System::residual(Vec u, Vec f, bool with_fixed) const {
   }
 }
 
-/// Calls `use(weights of the corners, weight of the point, u, psi0)` for each Gauss point of a cell.
-template <class Use>
-void System::at_gauss_points(std::size_t cell, const std::vector<double>& u, const Use& use) const {
-  const auto values = at_corners(domain_.mesh->cell_to_node[cell], u);
-  const auto p = domain_.points(cell);
-  const double volume = geometry::volume(p);
-  for (const auto& point : gauss_points) {
-    const double z = interpolate({p[0].z, p[1].z, p[2].z, p[3].z}, point.weight_of_corner);
-    use(point.weight_of_corner, volume * point.weight, interpolate(values, point.weight_of_corner),
-        problem_.split_potential(z));
-  }
-}
-
-void System::add_gauss(const std::vector<double>& u, std::vector<double>& to) const {
-  if (domain_.quadratic) return add_quadratic_source(problem_, u, to);
-  const auto& cells = domain_.mesh->cell_to_node;
-  for (std::size_t c = 0; c < cells.size(); ++c)
-    at_gauss_points(c, u, [&](const std::array<double, 4>& corner, double weight, double value, double psi0) {
-      const double amount = weight * problem_.term.value(value, psi0);
-      for (std::size_t k = 0; k < 4; ++k) to[at(cells[c][k])] += amount * corner[k];
-    });
-}
-
-void System::add_gauss_matrix(const std::vector<double>& u) {
-  if (domain_.quadratic) {
-    add_quadratic_source_matrix(problem_, u, jacobian_);
-    return add_site_matrix(problem_, u, jacobian_);
-  }
-  const auto& cells = domain_.mesh->cell_to_node;
-  for (std::size_t c = 0; c < cells.size(); ++c) {
-    std::array<double, 16> block{};
-    at_gauss_points(c, u, [&](const std::array<double, 4>& corner, double weight, double value, double psi0) {
-      const double amount = weight * problem_.term.slope(value, psi0);
-      for (std::size_t i = 0; i < 4; ++i)
-        for (std::size_t j = 0; j < 4; ++j) block[4 * i + j] += amount * corner[i] * corner[j];
-    });
-    std::array<PetscInt, 4> row{};
-    for (std::size_t k = 0; k < 4; ++k) {
-      const auto node = at(cells[c][k]);
-      row[k] = conditions_.fixed[node] != 0 ? -1 : domain_.nodes.equation()[node];  // PETSc leaves negative rows out
-    }
-    require(MatSetValues(jacobian_, 4, row.data(), 4, row.data(), block.data(), ADD_VALUES));
-  }
-  require(MatAssemblyBegin(jacobian_, MAT_FINAL_ASSEMBLY));
-  require(MatAssemblyEnd(jacobian_, MAT_FINAL_ASSEMBLY));
-}
-
-/// Adds what that matrix would give for w if no node were fixed.
-void System::add_gauss_product(const std::vector<double>& u, std::span<const double> w, std::vector<double>& to) const {
-  if (domain_.quadratic) {
-    add_quadratic_source_product(problem_, u, w, to);
-    return add_site_slope(problem_, u, w, to);
-  }
-  const auto& cells = domain_.mesh->cell_to_node;
-  for (std::size_t c = 0; c < cells.size(); ++c) {
-    const auto of_w = at_corners(cells[c], w);
-    at_gauss_points(c, u, [&](const std::array<double, 4>& corner, double weight, double value, double psi0) {
-      const double amount = weight * problem_.term.slope(value, psi0) * interpolate(of_w, corner);
-      for (std::size_t k = 0; k < 4; ++k) to[at(cells[c][k])] += amount * corner[k];
-    });
-  }
-}
-
 void System::linearize(Vec u) {
   const bool nodal = is_nodal();
-  if (!nodal || !has_jacobian_) restore_jacobian();
-  if (!nodal) add_gauss_matrix(local_values(u));
+  if (!nodal) {
+    require(MatCopy(stiffness_, jacobian_, SAME_NONZERO_PATTERN));
+    eliminate_fixed();
+    const auto local = local_values(u);
+    add_source_matrix(problem_, local, jacobian_);
+    add_site_matrix(problem_, local, jacobian_);
+  }
   require(nodal ? VecCopy(diagonal_, updated_) : MatGetDiagonal(jacobian_, updated_));
   std::vector<double> of_sites;
-  if (!domain_.quadratic && problem_.input.has_regulated()) {
+  if (nodal && problem_.input.has_regulated()) {
     of_sites.assign(domain_.point.size(), 0);
     add_site_slope(problem_, local_values(u), std::vector<double>(of_sites.size(), 1), of_sites);
     domain_.nodes.sum_copies(comm_, of_sites);
@@ -268,7 +193,7 @@ void System::find_worst(Vec f, Solution& solution) const {
   const auto here = static_cast<std::int64_t>(worst) - domain_.nodes.first_equation();
   if (here >= 0 && here < static_cast<std::int64_t>(domain_.nodes.n_owned())) {
     const auto i = at(domain_.nodes.owned()[static_cast<std::size_t>(here)]);
-    node = (domain_.quadratic ? domain_.quadratic->node_global : domain_.mesh->node_global)[i];
+    node = domain_.node_global()[i];
     point = (1 / domain_.scale) * domain_.point[i];
   }
   solution.worst_node = comm_.max(node);
@@ -345,7 +270,9 @@ std::vector<double> System::solve_linearised(std::span<const double> load, std::
   require(MatMult(stiffness_, w, f));
   std::vector<double> source(domain_.point.size(), 0);
   if (!is_nodal() && !value.empty()) {
-    add_gauss_product(local_values(unknown_), given, source);
+    const auto u = local_values(unknown_);
+    add_source_product(problem_, u, given, source);
+    add_site_slope(problem_, u, given, source);
     domain_.nodes.sum_copies(comm_, source);
   }
   {
@@ -390,19 +317,6 @@ KSP System::dual_solver() {
   return dual_;
 }
 
-KSP System::harmonic_solver() {
-  // Jacobi's iterates are the same on any number of ranks but for rounding, and so are the loosely solved cut-off
-  // functions and the forces made with them.
-  if (harmonic_ == nullptr) {
-    release_newton();
-    require(KSPCreate(comm_.handle(), harmonic_.address()));
-    require(KSPSetType(harmonic_, KSPCG));
-    set_preconditioner(harmonic_, Preconditioner::jacobi);
-    require(KSPSetNormType(harmonic_, KSP_NORM_UNPRECONDITIONED));
-  }
-  return harmonic_;
-}
-
 void System::release_newton() {
   KSP solver = nullptr;
   require(SNESGetKSP(snes_, &solver));
@@ -410,39 +324,8 @@ void System::release_newton() {
 }
 
 std::vector<double> System::harmonic(std::uint64_t one, std::uint64_t zero) {
-  if (!domain_.quadratic) {
-    release_newton();
-    return harmonic_function(comm_, domain_, rows_, one, zero);
-  }
-  if (has_jacobian_) require(MatCopy(stiffness_, jacobian_, SAME_NONZERO_PATTERN));
-  has_jacobian_ = false;
-  const auto& patches = domain_.node_patches;
-  std::vector<double> given(domain_.point.size(), 0);
-  for (std::size_t i = 0; i < given.size(); ++i)
-    if ((patches[i] & one) != 0) given[i] = 1;
-  // Solved for what is missing from the given values: 0 where they hold, which a large diagonal entry sees to.
-  Vector w, f;
-  require(VecDuplicate(unknown_, w.address()));
-  require(VecDuplicate(unknown_, f.address()));
-  set_owned(w, given);
-  require(MatMult(stiffness_, w, f));
-  require(VecScale(f, -1));
-  require(MatGetDiagonal(stiffness_, updated_));
-  {
-    Entries right(f), diagonal(updated_);
-    const auto& owned = domain_.nodes.owned();
-    for (std::size_t k = 0; k < owned.size(); ++k) {
-      if ((patches[at(owned[k])] & (one | zero)) == 0) continue;
-      right[k] = 0;
-      diagonal[k] *= 1e12;
-    }
-  }
-  require(MatDiagonalSet(jacobian_, updated_, INSERT_VALUES));
-  solve_linear(harmonic_solver(), f, w, 1e-3);
-  auto result = local_values(w);
-  for (std::size_t i = 0; i < result.size(); ++i)
-    result[i] = (patches[i] & (one | zero)) != 0 ? given[i] : result[i] + given[i];
-  return result;
+  release_newton();
+  return harmonic_function(comm_, domain_, rows_, one, zero);
 }
 
 double System::gradient_energy(std::span<const double> local) const {

@@ -68,20 +68,15 @@ class System {
   void residual(Vec u, Vec f, bool with_fixed) const;
   void linearize(Vec u);
   void eliminate_fixed();
-  void restore_jacobian();
   void solve_linear(KSP solver, Vec right, Vec result, double tolerance);
   /// Made when the first system is solved. Not that of Newton's method, which sets its own tolerance before every
   /// solve; the memory of its preconditioner goes.
   KSP dual_solver();
-  KSP harmonic_solver();
   void release_newton();
-  template <class Use>
-  void at_gauss_points(std::size_t cell, const std::vector<double>& u, const Use& use) const;
-  void add_gauss(const std::vector<double>& u, std::vector<double>& to) const;
-  void add_gauss_matrix(const std::vector<double>& u);
-  void add_gauss_product(const std::vector<double>& u, std::span<const double> w, std::vector<double>& to) const;
   /// The source term is lumped at the nodes.
-  bool is_nodal() const { return !domain_.quadratic && problem_.input.solver.quadrature == Quadrature::nodal; }
+  bool is_nodal() const {
+    return problem_.input.solver.order == 1 && problem_.input.solver.quadrature == Quadrature::nodal;
+  }
   void configure(SNES snes);
   void configure(KSP ksp) const;
   void set_owned(Vec vector, std::span<const double> local) const;
@@ -92,13 +87,12 @@ class System {
   const Problem& problem_;
   const Domain& domain_;          ///< of the problem
   const Conditions& conditions_;  ///< of the problem
-  SymmetricRows rows_;            ///< of the stiffness; of first order
+  SymmetricRows rows_;            ///< of the stiffness
   Matrix stiffness_, jacobian_;
-  bool has_jacobian_ = true;  ///< off its diagonal; false after `harmonic`
-  Vector diagonal_;           ///< of the stiffness, 1 at fixed nodes
+  Vector diagonal_;  ///< of the stiffness, 1 at fixed nodes
   Vector unknown_, work_, updated_;
   NonlinearSolver snes_;
-  LinearSolver dual_, harmonic_;  ///< made when the first such function is asked for
+  LinearSolver dual_;  ///< made when the first such function is asked for
 };
 
 }  // namespace pamr::poisson_boltzmann

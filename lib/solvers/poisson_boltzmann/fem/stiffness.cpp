@@ -2,10 +2,12 @@
 #include "solvers/poisson_boltzmann/fem/stiffness.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "pamr/base/index.hpp"
 #include "pamr/par/exchange.hpp"
+#include "solvers/poisson_boltzmann/fem/elements.hpp"
 
 namespace pamr::poisson_boltzmann {
 
@@ -23,10 +25,10 @@ struct NodeCells {
   std::vector<LocalId> cell;
 };
 
-NodeCells cells_of_nodes(const Domain& domain) {
-  const auto& cells = domain.mesh->cell_to_node;
+template <class Cells>
+NodeCells cells_of_nodes(const Cells& cells, std::size_t n_nodes) {
   NodeCells result;
-  result.offset.assign(domain.point.size() + 1, 0);
+  result.offset.assign(n_nodes + 1, 0);
   for (const auto& nodes : cells)
     for (const auto node : nodes) ++result.offset[at(node) + 1];
   for (std::size_t i = 1; i < result.offset.size(); ++i) result.offset[i] += result.offset[i - 1];
@@ -38,13 +40,14 @@ NodeCells cells_of_nodes(const Domain& domain) {
 }
 
 /// The rows without values: of each node the neighbors of lower number.
-SymmetricRows pattern_of(const Domain& domain) {
-  const auto& cells = domain.mesh->cell_to_node;
-  const auto around = cells_of_nodes(domain);
-  const auto n_nodes = domain.point.size();
+template <class Element>
+SymmetricRows pattern_of(const Element& element) {
+  const auto& cells = element.cells();
+  const auto n_nodes = element.domain.point.size();
+  const auto around = cells_of_nodes(cells, n_nodes);
   SymmetricRows rows;
   rows.offset.reserve(n_nodes + 1);
-  rows.column.reserve(n_nodes * 7);
+  rows.column.reserve(n_nodes * Element::n_left);
   std::vector<LocalId> last_row(n_nodes, -1);
   for (std::size_t node = 0; node < n_nodes; ++node) {
     const auto here = static_cast<LocalId>(node);
@@ -62,20 +65,29 @@ SymmetricRows pattern_of(const Domain& domain) {
   return rows;
 }
 
-void add_cells(const Domain& domain, SymmetricRows& rows) {
-  const auto& cells = domain.mesh->cell_to_node;
-  for (std::size_t c = 0; c < cells.size(); ++c) {
-    const auto& nodes = cells[c];
-    const auto shape = domain.shape(c);
-    for (std::size_t i = 0; i < 4; ++i) {
-      rows.diagonal[at(nodes[i])] += shape.volume * dot(shape.gradient[i], shape.gradient[i]);
-      for (std::size_t j = 0; j < i; ++j) {
-        const auto row = at(std::max(nodes[i], nodes[j]));
-        auto place = rows.offset[row];
-        for (const auto column = std::min(nodes[i], nodes[j]); rows.column[place] != column;) ++place;
-        rows.value[place] += shape.volume * dot(shape.gradient[i], shape.gradient[j]);
-      }
-    }
+/// Adds to the entry of two nodes, which the rows have.
+void add(LocalId a, LocalId b, double amount, SymmetricRows& rows) {
+  if (a == b) {
+    rows.diagonal[at(a)] += amount;
+    return;
+  }
+  auto place = rows.offset[at(std::max(a, b))];
+  for (const auto column = std::min(a, b); rows.column[place] != column;) ++place;
+  rows.value[place] += amount;
+}
+
+template <class Element>
+void add_cells(const Element& element, SymmetricRows& rows) {
+  constexpr auto n = Element::n_nodes;
+  for (std::size_t c = 0; c < element.cells().size(); ++c) {
+    const auto cell = element.cell(c);
+    std::array<double, n * n> block{};
+    cell.at_gradients([&](double weight, const std::array<geometry::Vec3, n>& gradient) {
+      for (std::size_t i = 0; i < n; ++i)
+        for (std::size_t j = 0; j <= i; ++j) block[n * i + j] += weight * dot(gradient[i], gradient[j]);
+    });
+    for (std::size_t i = 0; i < n; ++i)
+      for (std::size_t j = 0; j <= i; ++j) add(cell.nodes[i], cell.nodes[j], block[n * i + j], rows);
   }
 }
 
@@ -180,10 +192,31 @@ double SymmetricRows::multiply(std::span<const double> x, std::span<double> y) c
 }
 
 SymmetricRows stiffness_rows(const Domain& domain, bool keep_zeros) {
-  auto rows = pattern_of(domain);
-  add_cells(domain, rows);
+  auto rows = with_element(domain, [](const auto& element) {
+    auto result = pattern_of(element);
+    add_cells(element, result);
+    return result;
+  });
   if (!keep_zeros) drop_zeros(rows);
   return rows;
+}
+
+void add_far_field(const Problem& problem, SymmetricRows& rows) {
+  const auto& domain = problem.domain;
+  with_element(domain, [&](const auto& element) {
+    if (element.has_lumped_walls) return;
+    for (std::size_t f = 0; f < domain.faces.size(); ++f) {
+      const auto& patch = domain.mesh->info.patches[at(domain.faces[f].patch)].name;
+      if (problem.input.find_boundary(patch)->condition != Condition::far_field) continue;
+      const auto face = element.face(f);
+      face.at_wall_points([&](const auto& point) {
+        const double amount = point.area * far_field_coefficient(problem.input.spheres, point.middle, point.normal);
+        for (std::size_t i = 0; i < face.nodes.size(); ++i)
+          for (std::size_t j = 0; j <= i; ++j)
+            add(face.nodes[i], face.nodes[j], amount * point.value[i] * point.value[j], rows);
+      });
+    }
+  });
 }
 
 Matrix assemble_stiffness(const par::Comm& comm, const Domain& domain, const SymmetricRows& half) {

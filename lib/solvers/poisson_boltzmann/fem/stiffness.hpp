@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
-#include "solvers/poisson_boltzmann/fem/fem_domain.hpp"
 #include "solvers/poisson_boltzmann/fem/petsc.hpp"
+#include "solvers/poisson_boltzmann/fem/problem.hpp"
 
 namespace pamr::poisson_boltzmann {
 
@@ -21,13 +21,17 @@ struct SymmetricRows {
   double multiply(std::span<const double> x, std::span<double> y) const;
 };
 
-/// The matrix of -lap for P1 elements on all nodes, before any boundary condition: K_ij is the integral of
-/// grad phi_i . grad phi_j. Entries that are zero but for rounding, as between corners at right angles in boxes, are
+/// The matrix of -lap on all nodes, before any boundary condition: K_ij is the integral of grad phi_i . grad phi_j.
+/// Entries that are zero but for rounding, as between corners at right angles in boxes, are
 /// left out and added to the diagonal, so that the sums of rows stay; unless `keep_zeros`, for terms that are added to
 /// the matrix later. Local. O(cells) time.
 SymmetricRows stiffness_rows(const Domain& domain, bool keep_zeros = false);
 
-/// The same of all ranks for PETSc: rows of shared nodes are added up. Collective. Memory: the matrix twice while it is
+/// Adds the integral of alpha v w over the far field, but of first order, where `Conditions::robin` has it lumped.
+/// Local.
+void add_far_field(const Problem& problem, SymmetricRows& rows);
+
+/// The rows of all ranks for PETSc: rows of shared nodes are added up. Collective. Memory: the matrix twice while it is
 /// made.
 Matrix assemble_stiffness(const par::Comm& comm, const Domain& domain, const SymmetricRows& rows);
 

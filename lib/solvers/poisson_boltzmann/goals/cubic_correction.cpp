@@ -8,7 +8,6 @@
 #include "pamr/base/index.hpp"
 #include "pamr/mesh/tet.hpp"
 #include "pamr/par/reproducible_sum.hpp"
-#include "solvers/poisson_boltzmann/fem/quadratic_stiffness.hpp"
 #include "solvers/poisson_boltzmann/goals/cubic_sites.hpp"
 
 namespace pamr::poisson_boltzmann {

@@ -34,7 +34,7 @@ std::vector<LevelValue> all_quantities(const std::vector<Level>& levels) {
 
 Level level_of(const Domain& domain, const Case& input, const Analysis& analysis) {
   const auto& info = domain.mesh->info;
-  Level level{info.n_global_cells, domain.quadratic ? domain.quadratic->n_global_nodes : info.n_global_nodes, {}};
+  Level level{info.n_global_cells, domain.n_global_nodes(), {}};
   for (const auto& patch : analysis.patches)
     for (const auto& best : best_values(input, analysis, patch))
       level.values.push_back({patch.name, best.quantity, best.value, best.error, best.is_corrected});

@@ -113,7 +113,7 @@ json report_of(const Domain& domain, const Case& input, const Solution& solution
               {"residual", solution.residual},
               {"first_residual", solution.first_residual}};
   report["order"] = int{input.solver.order};
-  report["unknowns"] = domain.quadratic ? domain.quadratic->n_global_nodes : domain.mesh->info.n_global_nodes;
+  report["unknowns"] = domain.n_global_nodes();
   if (domain.quadratic) {
     const auto& curving = domain.quadratic->report;
     report["curved_edges"] = curving.n_curved_edges;
