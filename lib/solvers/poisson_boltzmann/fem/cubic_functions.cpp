@@ -72,11 +72,11 @@ OfCubicCell<double> CubicFunctions::values(std::size_t cell, std::span<const dou
   return result;
 }
 
-CubicAt cubic_at(const OfCellNodes<geometry::Vec3>& node, const CellPoint& point, const CubicPoint& cubic) {
-  CubicAt result{place(node, point), {}, {}};
+CubicAt cubic_at(const PlacedPoint& placed, const OfCellNodes<double>& value, const CubicPoint& cubic) {
+  CubicAt result{placed, {}, {}};
   const auto added = gradients(result.placed, cubic);
   for (std::size_t k = 0; k < 10; ++k) {
-    result.value[k] = point.value[k];
+    result.value[k] = value[k];
     result.value[10 + k] = cubic.value[k];
     result.gradient[k] = result.placed.gradient[k];
     result.gradient[10 + k] = added[k];
@@ -84,13 +84,28 @@ CubicAt cubic_at(const OfCellNodes<geometry::Vec3>& node, const CellPoint& point
   return result;
 }
 
-OfCubicFace<double> cubic_face_values(const FacePoint& point) {
+geometry::Vec3 gradient_of(const CubicAt& here, const OfCubicCell<double>& value) {
+  geometry::Vec3 sum;
+  for (std::size_t k = 0; k < n_cubic; ++k) sum += value[k] * here.gradient[k];
+  return sum;
+}
+
+OfCubicFace<double> CubicFunctions::face_values(std::size_t face, std::size_t number) const {
   OfCubicFace<double> result{};
+  const auto& point = face_points()[number];
   const auto& l = point.barycentric;
   for (std::size_t k = 0; k < 6; ++k) result[k] = point.value[k];
-  for (std::size_t k = 0; k < 3; ++k) result[6 + k] = l[k] * l[(k + 1) % 3] * (l[k] - l[(k + 1) % 3]);
+  for (std::size_t k = 0; k < 3; ++k)
+    result[6 + k] = face_sign(face, 6 + k) * l[k] * l[(k + 1) % 3] * (l[k] - l[(k + 1) % 3]);
   result[9] = l[0] * l[1] * l[2];
   return result;
+}
+
+double CubicFunctions::on_face(std::size_t face, const OfCubicFace<double>& shape,
+                               std::span<const double> coefficient) const {
+  double sum = 0;
+  for (std::size_t k = 0; k < shape.size(); ++k) sum += shape[k] * coefficient[at(face_to_function[face][k])];
+  return sum;
 }
 
 CubicFunctions number_cubic(const par::Comm& comm, const Domain& domain) {
@@ -144,7 +159,7 @@ CubicConditions cubic_conditions(const par::Comm& comm, const Problem& problem, 
   std::vector<Given> given(functions.all.n_nodes());
   for (std::size_t i = 0; i < domain.point.size(); ++i) given[i].is_fixed = problem.conditions.fixed[i];
   for (std::size_t f = 0; f < domain.faces.size(); ++f) {
-    const auto& b = *problem.input.find_boundary(domain.mesh->info.patches[at(domain.faces[f].patch)].name);
+    const auto& b = problem.boundary_of(domain.faces[f]);
     if (!fixes_potential(b.condition)) continue;
     const auto& nodes = elements.face_to_node[f];
     const auto position = elements.face_points(domain, f);

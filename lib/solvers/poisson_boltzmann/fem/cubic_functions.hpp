@@ -36,6 +36,10 @@ struct CubicFunctions {
   double face_sign(std::size_t face, std::size_t k) const {
     return k >= 6 && k < 9 && (face_flips[face] >> (k - 6) & 1U) != 0 ? -1 : 1;
   }
+  /// The functions of a face at a point of `face_points()`, with the signs of its edges.
+  OfCubicFace<double> face_values(std::size_t face, std::size_t point) const;
+  /// With these functions the value of what has these coefficients.
+  double on_face(std::size_t face, const OfCubicFace<double>& shape, std::span<const double> coefficient) const;
 };
 /// Collective: two reductions, and one exchange.
 CubicFunctions number_cubic(const par::Comm& comm, const Domain& domain);
@@ -55,9 +59,8 @@ struct CubicAt {
   OfCubicCell<double> value{};
   OfCubicCell<geometry::Vec3> gradient{};
 };
-CubicAt cubic_at(const OfCellNodes<geometry::Vec3>& node, const CellPoint& point, const CubicPoint& cubic);
-
-/// The functions of a boundary face at a point of it.
-OfCubicFace<double> cubic_face_values(const FacePoint& point);
+/// `value`: the functions of second order at the point.
+CubicAt cubic_at(const PlacedPoint& placed, const OfCellNodes<double>& value, const CubicPoint& cubic);
+geometry::Vec3 gradient_of(const CubicAt& here, const OfCubicCell<double>& value);
 
 }  // namespace pamr::poisson_boltzmann

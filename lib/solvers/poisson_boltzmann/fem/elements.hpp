@@ -44,7 +44,6 @@ bool is_constant(std::span<const double> value, const Nodes& nodes) {
 template <std::size_t N>
 struct PointOnFace : PlacedFacePoint {
   std::array<double, N> value{};
-  std::array<double, 3> barycentric{};
   std::size_t index = 0;  ///< of the points of the rule
 };
 
@@ -52,7 +51,7 @@ struct PointOnFace : PlacedFacePoint {
 /// faces; what walls hold is lumped at the corners of their faces, as the source term is with nodal quadrature.
 class LinearElement {
  public:
-  static constexpr std::size_t n_nodes = 4, n_face_nodes = 3;
+  static constexpr std::size_t n_nodes = 4;
   static constexpr std::size_t n_left = 7;        ///< entries of a row left of the diagonal, about
   static constexpr bool has_lumped_walls = true;  ///< a node of a wall has an area, and its reaction is a density
 
@@ -154,7 +153,7 @@ class LinearElement {
 
    private:
     Point point_at(const std::array<double, 3>& value, double area, std::size_t index) const {
-      Point point{{{}, face_.normal, area, {}}, value, value, index};
+      Point point{{{}, face_.normal, area, {}}, value, index};
       for (std::size_t k = 0; k < 3; ++k) {
         point.position += value[k] * domain_.point[at(nodes[k])];
         point.middle += (1.0 / 3) * domain_.point[at(nodes[k])];
@@ -177,8 +176,7 @@ class LinearElement {
 /// masses of corners would be negative.
 class QuadraticElement {
  public:
-  static constexpr std::size_t n_nodes = 10, n_face_nodes = 6;
-  static constexpr std::size_t n_left = 14;
+  static constexpr std::size_t n_nodes = 10, n_left = 14;
   static constexpr bool has_lumped_walls = false;
 
   struct Point {
@@ -239,6 +237,7 @@ class QuadraticElement {
         : nodes(domain.quadratic->face_to_node[face]),
           number(face),
           domain_(domain),
+          cell_(at(domain.faces[face].cell)),
           position_(domain.quadratic->face_points(domain, face)) {}
 
     using Point = PointOnFace<6>;
@@ -247,15 +246,14 @@ class QuadraticElement {
       OfCellNodes<double> value{};
 
       geometry::Vec3 gradient(const Point& point) const {
-        return gradient_of(face.domain_.quadratic->behind(face.domain_, face.number, face_points()[point.index]),
-                           value);
+        return gradient_of(face.placed_behind(face.point_behind(point)), value);
       }
     };
     template <class Use>
     void at_points(const Use& use) const {
       for (std::size_t p = 0; p < face_points().size(); ++p) {
         const auto& point = face_points()[p];
-        use(Point{place(position_, point), point.value, point.barycentric, p});
+        use(Point{place(position_, point), point.value, p});
       }
     }
     template <class Use>
@@ -268,7 +266,17 @@ class QuadraticElement {
     }
     OfFaceNodes<double> values(std::span<const double> value) const { return at_nodes(nodes, value); }
     FieldBehind behind(std::span<const double> value) const {
-      return {*this, at_nodes(domain_.quadratic->cell_to_node[at(domain_.faces[number].cell)], value)};
+      return {*this, at_nodes(domain_.quadratic->cell_to_node[cell_], value)};
+    }
+    /// A point as the cell behind sees it, and that cell there.
+    CellPoint point_behind(const Point& point) const {
+      std::array<double, 4> l{};
+      for (std::size_t k = 0; k < 3; ++k)
+        l[at(mesh::slot_of(domain_.mesh->cell_to_node[cell_], nodes[k]))] = face_points()[point.index].barycentric[k];
+      return cell_point(l);
+    }
+    PlacedPoint placed_behind(const CellPoint& point) const {
+      return place(domain_.quadratic->points(domain_, cell_), point);
     }
     double split_potential(const Problem& problem, const Point& point) const {
       return problem.split_potential(point.position.z);
@@ -282,6 +290,7 @@ class QuadraticElement {
 
    private:
     const Domain& domain_;
+    std::size_t cell_;
     OfFaceNodes<geometry::Vec3> position_;
   };
 

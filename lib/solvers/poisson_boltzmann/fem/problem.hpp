@@ -21,6 +21,10 @@ struct Problem {
   SourceTerm term;
   PlateProfile profile;  ///< of the case's plate, whether it is split off or not; 0 without one
 
+  /// What a boundary face has to obey.
+  const Boundary& boundary_of(const BoundaryFace& face) const {
+    return *input.find_boundary(domain.mesh->info.patches[static_cast<std::size_t>(face.patch)].name);
+  }
   /// psi0 at height z, and its derivative: the part of the potential that is split off; 0 where nothing is.
   double split_potential(double z) const { return input.split ? profile.potential(z) : 0; }
   double split_slope(double z) const { return input.split ? profile.slope(z) : 0; }

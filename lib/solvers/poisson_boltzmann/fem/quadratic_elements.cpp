@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "pamr/base/index.hpp"
-#include "pamr/mesh/ring.hpp"
 #include "pamr/mesh/tet.hpp"
 #include "solvers/poisson_boltzmann/fem/fem_domain.hpp"
 
@@ -23,24 +22,6 @@ OfFaceNodes<Vec3> QuadraticElements::face_points(const Domain& domain, std::size
   OfFaceNodes<Vec3> result;
   for (std::size_t k = 0; k < 6; ++k) result[k] = domain.point[at(face_to_node[face][k])];
   return result;
-}
-
-OfCellNodes<double> QuadraticElements::values(std::size_t cell, std::span<const double> u) const {
-  OfCellNodes<double> result{};
-  for (std::size_t k = 0; k < 10; ++k) result[k] = u[at(cell_to_node[cell][k])];
-  return result;
-}
-
-std::array<double, 4> QuadraticElements::barycentric_behind(const Domain& domain, std::size_t face,
-                                                            const FacePoint& point) const {
-  const auto& corners = domain.mesh->cell_to_node[at(domain.faces[face].cell)];
-  std::array<double, 4> l{};
-  for (std::size_t k = 0; k < 3; ++k) l[at(mesh::slot_of(corners, face_to_node[face][k]))] = point.barycentric[k];
-  return l;
-}
-
-PlacedPoint QuadraticElements::behind(const Domain& domain, std::size_t face, const FacePoint& point) const {
-  return place(points(domain, at(domain.faces[face].cell)), cell_point(barycentric_behind(domain, face, point)));
 }
 
 void make_quadratic(const par::Comm& comm, std::span<const int> face_slot, Domain& domain) {

@@ -24,10 +24,6 @@ struct QuadraticElements {
 
   OfCellNodes<geometry::Vec3> points(const Domain& domain, std::size_t cell) const;
   OfFaceNodes<geometry::Vec3> face_points(const Domain& domain, std::size_t face) const;
-  OfCellNodes<double> values(std::size_t cell, std::span<const double> u) const;
-  /// A point of a face as the cell behind it sees it, and that cell there.
-  std::array<double, 4> barycentric_behind(const Domain& domain, std::size_t face, const FacePoint& point) const;
-  PlacedPoint behind(const Domain& domain, std::size_t face, const FacePoint& point) const;
 };
 
 /// Gives the cells of a domain nodes on their edges, and with them its `nodes`, `point` and `quadratic`. `face_slot`:

@@ -41,7 +41,7 @@ void at_site_points(const Problem& problem, std::span<const double> u, const Use
   const auto& domain = problem.domain;
   with_element(domain, [&](const auto& element) {
     for (std::size_t f = 0; f < domain.faces.size(); ++f) {
-      const auto& b = *problem.input.find_boundary(domain.mesh->info.patches[at(domain.faces[f].patch)].name);
+      const auto& b = problem.boundary_of(domain.faces[f]);
       if (b.condition != Condition::regulated) continue;
       const auto face = element.face(f);
       face.at_wall_points([&](const auto& on_face) {

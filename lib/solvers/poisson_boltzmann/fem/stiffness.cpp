@@ -206,8 +206,7 @@ void add_far_field(const Problem& problem, SymmetricRows& rows) {
   with_element(domain, [&](const auto& element) {
     if (element.has_lumped_walls) return;
     for (std::size_t f = 0; f < domain.faces.size(); ++f) {
-      const auto& patch = domain.mesh->info.patches[at(domain.faces[f].patch)].name;
-      if (problem.input.find_boundary(patch)->condition != Condition::far_field) continue;
+      if (problem.boundary_of(domain.faces[f]).condition != Condition::far_field) continue;
       const auto face = element.face(f);
       face.at_wall_points([&](const auto& point) {
         const double amount = point.area * far_field_coefficient(problem.input.spheres, point.middle, point.normal);

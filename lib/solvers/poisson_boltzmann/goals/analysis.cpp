@@ -7,12 +7,10 @@
 
 #include "pamr/base/index.hpp"
 #include "pamr/mesh/require_field.hpp"
-#include "solvers/poisson_boltzmann/fem/quadrature.hpp"
+#include "solvers/poisson_boltzmann/fem/elements.hpp"
 #include "solvers/poisson_boltzmann/goals/cubic_correction.hpp"
 #include "solvers/poisson_boltzmann/goals/error_bars.hpp"
 #include "solvers/poisson_boltzmann/goals/far_field_cost.hpp"
-#include "solvers/poisson_boltzmann/goals/quadratic_analysis.hpp"
-#include "solvers/poisson_boltzmann/goals/quadratic_goals.hpp"
 #include "solvers/poisson_boltzmann/goals/shape_change.hpp"
 #include "solvers/poisson_boltzmann/goals/shape_error.hpp"
 
@@ -36,30 +34,18 @@ void add_nodal_fields(const State& state, Analysis& result) {
 
 /// Errors of u and its gradient against the manufactured solution. Collective.
 void compare_with_manufactured(const par::Comm& comm, const State& state, Analysis& result) {
-  const auto& domain = state.problem.domain;
-  if (domain.quadratic) {
-    const auto errors = quadratic_manufactured_errors(comm, domain, state.u);
-    result.manufactured_l2 = errors.l2;
-    result.manufactured_h1 = errors.h1;
-    return;
-  }
-  const auto& cells = domain.mesh->cell_to_node;
   std::array<par::ExactSum, 2> sums;
-  for (std::size_t c = 0; c < cells.size(); ++c) {
-    const auto p = domain.points(c);
-    const double volume = geometry::volume(p);
-    for (const auto& gauss : gauss_points) {
-      Vec3 point;
-      double value = 0;
-      for (std::size_t k = 0; k < 4; ++k) {
-        point += gauss.weight_of_corner[k] * p[k];
-        value += gauss.weight_of_corner[k] * state.u[at(cells[c][k])];
-      }
-      const double error = value - manufactured_potential(point);
-      sums[0].add(volume * gauss.weight * error * error);
-      sums[1].add(volume * gauss.weight * squared_norm(state.cell_gradient[c] - manufactured_gradient(point)));
+  with_element(state.problem.domain, [&](const auto& element) {
+    for (std::size_t c = 0; c < element.cells().size(); ++c) {
+      const auto cell = element.cell(c);
+      const auto u = cell.field(state.u);
+      cell.at_points([&](const auto& point) {
+        const double error = u.at(point) - manufactured_potential(point.position);
+        sums[0].add(point.weight * error * error);
+        sums[1].add(point.weight * squared_norm(u.gradient(point) - manufactured_gradient(point.position)));
+      });
     }
-  }
+  });
   const auto totals = par::reproducible_sums(comm, sums);
   result.manufactured_l2 = std::sqrt(totals[0]);
   result.manufactured_h1 = std::sqrt(totals[1]);
@@ -114,7 +100,7 @@ DualError error_by_cubic_dual(const par::Comm& comm, const State& state, const G
   if (functional.goal.kind == Goal::Kind::energy) state.cubic->add_energy_error(comm, error);
   for (std::size_t c = 0; c < functional.squares.size(); ++c)
     error.rest.add_square(c, functional.squares[c], state.cubic->decay()[c]);
-  error.correction += functional.remainder + quadratic_shape_error(comm, state, functional, error);
+  error.correction += functional.remainder + shape_error(comm, state, functional, error);
   const double bar = error.rest.bar(comm);
   return {std::move(error.share), error.correction, bar};
 }
@@ -167,7 +153,7 @@ Analysis analyze(const par::Comm& comm, const Problem& problem, System& system, 
   const bool is_linear = !problem.domain.quadratic;
   const auto recovery = problem.input.estimator.recovery;
   const auto recovered = is_linear ? recover(comm, problem.domain, gradient, recovery)
-                                   : recover_quadratic(comm, problem.domain, solution.u, recovery);
+                                   : recover(comm, problem.domain, solution.u, recovery);
   const auto mirrors = find_mirrors(comm, problem.domain, problem.input);
   std::optional<CubicCorrection> cubic;
   if (!is_linear) cubic.emplace(comm, problem, solution.u);

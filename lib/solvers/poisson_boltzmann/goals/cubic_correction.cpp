@@ -8,7 +8,8 @@
 #include "pamr/base/index.hpp"
 #include "pamr/mesh/tet.hpp"
 #include "pamr/par/reproducible_sum.hpp"
-#include "solvers/poisson_boltzmann/goals/cubic_sites.hpp"
+#include "solvers/poisson_boltzmann/fem/elements.hpp"
+#include "solvers/poisson_boltzmann/fem/site_walls.hpp"
 
 namespace pamr::poisson_boltzmann {
 
@@ -58,20 +59,19 @@ CubicCorrection::CubicCorrection(const par::Comm& comm, const Problem& problem, 
 }
 
 void CubicCorrection::add_cell(const Problem& problem, std::size_t cell, std::span<const double> u) {
-  const auto& domain = problem.domain;
-  const auto node = domain.quadratic->points(domain, cell);
-  const auto value = domain.quadratic->values(cell, u);
+  const QuadraticElement::Cell on(problem.domain, cell);
+  const auto value = on.field(u);
   std::array<double, n_cubic*(n_cubic + 1) / 2> block{};
   std::array<double, 10> right{};
-  for (std::size_t p = 0; p < cell_points().size(); ++p) {
-    const auto& point = cell_points()[p];
-    const auto [placed, shape, slope] = cubic_at(node, point, cubic_points()[p]);
-    const double weight = point.weight * placed.jacobian / 6;
-    const double here = interpolated(point.value, value), psi0 = problem.split_potential(placed.position.z);
-    const auto gradient = gradient_of(placed, value);
+  on.at_points([&](const auto& point) {
+    const auto at_point = cubic_at(point.placed, point.value, cubic_points()[point.index]);
+    const auto& shape = at_point.value;
+    const auto& slope = at_point.gradient;
+    const double weight = point.weight, here = value.at(point), psi0 = problem.split_potential(point.position.z);
+    const auto gradient = value.gradient(point);
     double source = problem.term.value(here, psi0);
     if (problem.input.manufactured) {
-      const double psi = manufactured_potential(placed.position);
+      const double psi = manufactured_potential(point.position);
       source -= psi + problem.term.value(psi, 0);
     }
     for (std::size_t k = 0; k < 10; ++k) right[k] -= weight * (dot(gradient, slope[10 + k]) + source * shape[10 + k]);
@@ -81,7 +81,7 @@ void CubicCorrection::add_cell(const Problem& problem, std::size_t cell, std::sp
       const double mass = stiffness * shape[i];
       for (std::size_t j = 0; j <= i; ++j) block[entry_of(i, j)] += dot(along, slope[j]) + mass * shape[j];
     }
-  }
+  });
   for (std::size_t i = 0; i < n_cubic; ++i)
     for (std::size_t j = 0; j <= i; ++j)
       block_[cell][entry_of(i, j)] =
@@ -92,33 +92,31 @@ void CubicCorrection::add_cell(const Problem& problem, std::size_t cell, std::sp
 
 void CubicCorrection::add_face(const Problem& problem, std::size_t face, std::span<const double> u) {
   const auto& domain = problem.domain;
-  const auto& b = *problem.input.find_boundary(domain.mesh->info.patches[at(domain.faces[face].patch)].name);
+  const auto& b = problem.boundary_of(domain.faces[face]);
   const bool is_far = b.condition == Condition::far_field, depends_on_u = is_far || b.condition == Condition::regulated;
   if (fixes_potential(b.condition)) return;
   const auto& function = functions_.face_to_function[face];
-  const auto node = domain.quadratic->face_points(domain, face);
+  const QuadraticElement::Face on(domain, face);
+  const auto value = on.values(u);
   FaceBlock block{function, {}};
-  for (const auto& point : face_points()) {
-    const auto placed = place(node, point);
-    auto shape = cubic_face_values(point);
-    double here = 0;
-    for (std::size_t k = 0; k < 6; ++k) here += shape[k] * u[at(function[k])];
-    for (std::size_t k = 6; k < 9; ++k) shape[k] *= functions_.face_sign(face, k);
-    double flux = given_flux(problem.input, problem.profile, b, placed);
+  on.at_points([&](const auto& point) {
+    const auto shape = functions_.face_values(face, point.index);
+    const double here = interpolated(point.value, value);
+    double flux = given_flux(problem.input, problem.profile, b, point);
     double alpha = 0;  // minus the slope of the flux
     if (is_far) {
-      alpha = far_field_coefficient(problem.input.spheres, placed.position, placed.normal);
+      alpha = far_field_coefficient(problem.input.spheres, point.middle, point.normal);
       flux -= alpha * here;
     } else {
-      const double psi = here + problem.split_potential(placed.position.z);
+      const double psi = here + problem.split_potential(point.position.z);
       if (depends_on_u) flux += b.charge_at(psi);
       alpha = -b.charge_slope_at(psi);
     }
     if (depends_on_u)
       for (std::size_t i = 0; i < 10; ++i)
-        for (std::size_t j = 0; j < 10; ++j) block.entry[10 * i + j] += alpha * placed.area * shape[i] * shape[j];
-    for (std::size_t k = 6; k < 10; ++k) right_[at(function[k])] += flux * placed.area * shape[k];
-  }
+        for (std::size_t j = 0; j < 10; ++j) block.entry[10 * i + j] += alpha * point.area * shape[i] * shape[j];
+    for (std::size_t k = 6; k < 10; ++k) right_[at(function[k])] += flux * point.area * shape[k];
+  });
   if (depends_on_u) face_block_.push_back(block);
 }
 
@@ -284,13 +282,10 @@ Estimate CubicCorrection::estimate(const par::Comm& comm, std::span<const double
   std::array<par::ExactSum, 2> sums;
   for (std::size_t c = 0; c < result.squared.size(); ++c) {
     sums[0].add(result.squared[c]);
-    const auto node = domain.quadratic->points(domain, c);
-    const auto value = domain.quadratic->values(c, u);
+    const QuadraticElement::Cell cell(domain, c);
+    const auto value = cell.field(u);
     double norm_squared = 0;
-    for (const auto& point : cell_points()) {
-      const auto placed = place(node, point);
-      norm_squared += point.weight * placed.jacobian / 6 * squared_norm(gradient_of(placed, value));
-    }
+    cell.at_points([&](const auto& point) { norm_squared += point.weight * squared_norm(value.gradient(point)); });
     sums[1].add(norm_squared);
   }
   const auto totals = par::reproducible_sums(comm, sums);
@@ -330,21 +325,19 @@ std::vector<double> CubicCorrection::of_curvature(std::span<const double> of_dua
   const auto& domain = problem_.domain;
   std::vector<double> result(block_.size(), 0);
   for (std::size_t c = 0; c < block_.size() && !problem_.input.linear; ++c) {
-    const auto node = domain.quadratic->points(domain, c);
-    const auto value = domain.quadratic->values(c, u_);
+    const QuadraticElement::Cell cell(domain, c);
+    const auto value = cell.field(u_);
     const auto error = functions_.values(c, error_), dual = functions_.values(c, of_dual);
-    for (std::size_t p = 0; p < cell_points().size(); ++p) {
-      const auto& point = cell_points()[p];
-      const auto placed = cubic_at(node, point, cubic_points()[p]);
-      const double e = interpolated(placed.value, error), z = placed.placed.position.z;
-      const double curvature = problem_.term.curvature(interpolated(point.value, value), problem_.split_potential(z));
-      result[c] -=
-          0.5 * point.weight * placed.placed.jacobian / 6 * curvature * e * e * interpolated(placed.value, dual);
-    }
+    cell.at_points([&](const auto& point) {
+      const auto shape = cubic_at(point.placed, point.value, cubic_points()[point.index]).value;
+      const double e = interpolated(shape, error), psi0 = problem_.split_potential(point.position.z);
+      const double curvature = problem_.term.curvature(value.at(point), psi0);
+      result[c] -= 0.5 * point.weight * curvature * e * e * interpolated(shape, dual);
+    });
   }
-  at_cubic_sites(problem_, u_, functions_, [&](const SitePoint& point, const OfCubicFace<double>& shape) {
-    const auto& function = functions_.face_to_function[point.face];
-    const double e = on_face(function, shape, error_), w = on_face(function, shape, of_dual);
+  at_site_points(problem_, u_, [&](const SitePoint& point) {
+    const auto shape = functions_.face_values(point.face, point.index);
+    const double e = functions_.on_face(point.face, shape, error_), w = functions_.on_face(point.face, shape, of_dual);
     result[at(domain.faces[point.face].cell)] += 0.5 * point.area * point.site->curvature(point.psi) * e * e * w;
   });
   return result;

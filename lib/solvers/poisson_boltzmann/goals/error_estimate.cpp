@@ -10,7 +10,7 @@
 #include "pamr/mark/recovery.hpp"
 #include "pamr/mesh/tet.hpp"
 #include "pamr/par/reproducible_sum.hpp"
-#include "solvers/poisson_boltzmann/fem/quadrature.hpp"
+#include "solvers/poisson_boltzmann/fem/elements.hpp"
 
 namespace pamr::poisson_boltzmann {
 
@@ -29,10 +29,7 @@ double longest_edge(const geometry::TetPoints& p) {
 std::vector<Vec3> cell_gradients(const Domain& domain, std::span<const double> value) {
   const auto& cells = domain.mesh->cell_to_node;
   std::vector<Vec3> result(cells.size());
-  for (std::size_t c = 0; c < cells.size(); ++c) {
-    const auto shape = domain.shape(c);
-    for (std::size_t k = 0; k < 4; ++k) result[c] += value[at(cells[c][k])] * shape.gradient[k];
-  }
+  for (std::size_t c = 0; c < cells.size(); ++c) result[c] = LinearElement::Cell(domain, c).field(value).slope;
   return result;
 }
 
@@ -44,6 +41,18 @@ std::vector<Vec3> recover(const par::Comm& comm, const Domain& domain, std::span
     for (std::size_t c = 0; c < cells.size(); ++c) weight[c] = geometry::volume(domain.points(c));
   return mark::nodal_means<Vec3>(par::Exchange(comm, domain.nodes.shared()), domain.point.size(), cells, weight,
                                  cell_gradient);
+}
+
+std::vector<Vec3> recover(const par::Comm& comm, const Domain& domain, std::span<const double> u, Recovery recovery) {
+  const QuadraticElement element(domain);
+  return mark::nodal_means<Vec3>(par::Exchange(comm, domain.nodes.shared()), domain.point.size(), [&](const auto& add) {
+    for (std::size_t c = 0; c < element.cells().size(); ++c) {
+      const auto cell = element.cell(c);
+      const auto field = cell.field(u);
+      const double weight = recovery == Recovery::plain ? 1 : geometry::volume(domain.points(c));
+      cell.at_nodes([&](const auto& point) { add(cell.nodes[point.index], weight, field.gradient(point)); });
+    }
+  });
 }
 
 namespace {
@@ -109,54 +118,41 @@ namespace {
 /// integral by Gauss points. psi0 is the profile at the point: between its values at the nodes a straight line is far
 /// above it near a plate of high potential.
 template <class Value>
-double nodal_excess(const Problem& problem, std::size_t cell, std::span<const double> u, const Value& value) {
-  const auto& nodes = problem.domain.mesh->cell_to_node[cell];
-  double result = 0;
+double nodal_excess(const Problem& problem, std::size_t number, std::span<const double> u, const Value& value) {
+  const LinearElement::Cell cell(problem.domain, number);
+  const auto of_u = cell.field(u), psi0 = cell.field(problem.conditions.psi0);
+  double at_corners = 0, at_points = 0;
   for (std::size_t k = 0; k < 4; ++k) {
     std::array<double, 4> corner{};
     corner[k] = 1;
-    result += value(u[at(nodes[k])], problem.conditions.psi0[at(nodes[k])], corner) / 4;
+    at_corners += value(of_u.value[k], psi0.value[k], corner) / 4;
   }
-  for (const auto& point : gauss_points) {
-    double here = 0, z = 0;
-    for (std::size_t k = 0; k < 4; ++k) {
-      here += point.weight_of_corner[k] * u[at(nodes[k])];
-      z += point.weight_of_corner[k] * problem.domain.point[at(nodes[k])].z;
-    }
-    result -= point.weight * value(here, problem.split_potential(z), point.weight_of_corner);
-  }
-  return geometry::volume(problem.domain.points(cell)) * result;
+  cell.at_points([&](const auto& point) {
+    at_points += point.weight * value(of_u.at(point), problem.split_potential(point.position.z), point.value);
+  });
+  return geometry::volume(problem.domain.points(number)) * at_corners - at_points;
 }
-
-}  // namespace
-
-namespace {
 
 /// What lumping at the nodes makes of the charges of sites, weighted with the dual solution, less the integral over the
 /// face; less by 1 is the dual solution where the goal is that charge. Calls `use(cell, excess)` for each such face.
 template <class Use>
 void at_lumped_sites(const Problem& problem, const GoalInput& in, const Use& use) {
   const auto& domain = problem.domain;
-  for (const auto& face : domain.faces) {
-    const auto& b = *problem.input.find_boundary(domain.mesh->info.patches[at(face.patch)].name);
+  for (std::size_t f = 0; f < domain.faces.size(); ++f) {
+    const auto patch = domain.faces[f].patch;
+    const auto& b = problem.boundary_of(domain.faces[f]);
     if (b.condition != Condition::regulated) continue;
-    const double counted = (in.counted >> static_cast<unsigned>(face.patch) & 1U) != 0 ? 1 : 0;
+    const double counted = (in.counted >> static_cast<unsigned>(patch) & 1U) != 0 ? 1 : 0;
+    const LinearElement::Face face(domain, f);
+    const auto u = face.values(in.u), w = face.values(in.w);
     double excess = 0;
-    for (const auto node : face.node) {
-      const auto i = at(node);
-      excess += b.site.value(problem.conditions.psi0[i] + in.u[i]) * (in.w[i] - counted) / 3;
-    }
-    for (const auto& point : triangle_points) {
-      double u = 0, w = 0, z = 0;
-      for (std::size_t k = 0; k < 3; ++k) {
-        const auto i = at(face.node[k]);
-        u += point.weight_of_corner[k] * in.u[i];
-        w += point.weight_of_corner[k] * in.w[i];
-        z += point.weight_of_corner[k] * domain.point[i].z;
-      }
-      excess -= point.weight * b.site.value(problem.split_potential(z) + u) * (w - counted);
-    }
-    use(at(face.cell), face.area * excess);
+    const auto add = [&](const auto& point, double factor, double psi0) {
+      excess += factor * point.area * b.site.value(psi0 + interpolated(point.value, u)) *
+                (interpolated(point.value, w) - counted);
+    };
+    face.at_wall_points([&](const auto& point) { add(point, 1, face.split_potential(problem, point)); });
+    face.at_points([&](const auto& point) { add(point, -1, problem.split_potential(point.position.z)); });
+    use(at(domain.faces[f].cell), excess);
   }
 }
 

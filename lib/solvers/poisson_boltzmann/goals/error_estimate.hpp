@@ -17,6 +17,10 @@ std::vector<geometry::Vec3> cell_gradients(const Domain& domain, std::span<const
 std::vector<geometry::Vec3> recover(const par::Comm& comm, const Domain& domain,
                                     std::span<const geometry::Vec3> cell_gradient, Recovery recovery);
 
+/// The same of second order, whose gradient each cell has at its ten nodes. Collective: two exchanges.
+std::vector<geometry::Vec3> recover(const par::Comm& comm, const Domain& domain, std::span<const double> u,
+                                    Recovery recovery);
+
 /// e_K^2: integral over each cell of |G* - grad u|^2, G* linear between its values at the nodes. Local.
 std::vector<double> squared_errors(const Domain& domain, std::span<const geometry::Vec3> cell_gradient,
                                    std::span<const geometry::Vec3> recovered);

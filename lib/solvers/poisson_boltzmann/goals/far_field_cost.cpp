@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "pamr/base/index.hpp"
-#include "solvers/poisson_boltzmann/fem/quadrature.hpp"
+#include "solvers/poisson_boltzmann/fem/elements.hpp"
 
 namespace pamr::poisson_boltzmann {
 
@@ -23,41 +23,29 @@ struct WallPoint {
   double u = 0, w = 0;  ///< both of u without the profile of the plate
 };
 
-std::vector<WallPoint> far_field_points(const State& state, std::span<const double> w) {
+template <class Element>
+std::vector<WallPoint> far_field_points(const Element& element, const State& state, std::span<const double> w) {
   const auto& problem = state.problem;
-  const auto& domain = problem.domain;
+  const auto& faces = element.domain.faces;
   std::vector<WallPoint> result;
-  const auto add = [&](WallPoint point, std::span<const double> shape, std::span<const LocalId> nodes) {
-    for (std::size_t k = 0; k < nodes.size(); ++k) {
-      point.u += shape[k] * state.u[at(nodes[k])];
-      point.w += shape[k] * w[at(nodes[k])];
-    }
-    if (!problem.input.split) {
-      point.u -= problem.profile.potential(point.position.z);
-      point.gradient.z -= problem.profile.slope(point.position.z);
-    }
-    result.push_back(point);
-  };
-  for (std::size_t f = 0; f < domain.faces.size(); ++f) {
-    const auto& face = domain.faces[f];
-    const auto* b = problem.input.find_boundary(domain.mesh->info.patches[at(face.patch)].name);
-    if (b->condition != Condition::far_field) continue;
-    if (domain.quadratic) {
-      const auto node = domain.quadratic->face_points(domain, f);
-      const auto value = domain.quadratic->values(at(face.cell), state.u);
-      for (const auto& point : face_points()) {
-        const auto placed = place(node, point);
-        const auto gradient = gradient_of(domain.quadratic->behind(domain, f, point), value);
-        add({placed.position, placed.normal, placed.area, gradient}, point.value, domain.quadratic->face_to_node[f]);
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    if (problem.boundary_of(faces[f]).condition != Condition::far_field) continue;
+    const auto face = element.face(f);
+    const auto of_u = face.values(state.u), of_w = face.values(w);
+    const auto behind = face.behind(state.u);
+    face.at_points([&](const auto& on_face) {
+      WallPoint point{on_face.position,
+                      on_face.normal,
+                      on_face.area,
+                      behind.gradient(on_face),
+                      interpolated(on_face.value, of_u),
+                      interpolated(on_face.value, of_w)};
+      if (!problem.input.split) {
+        point.u -= problem.profile.potential(point.position.z);
+        point.gradient.z -= problem.profile.slope(point.position.z);
       }
-      continue;
-    }
-    for (const auto& point : triangle_points) {
-      Vec3 position;
-      for (std::size_t k = 0; k < 3; ++k) position += point.weight_of_corner[k] * domain.point[at(face.node[k])];
-      add({position, face.normal, point.weight * face.area, state.cell_gradient[at(face.cell)]}, point.weight_of_corner,
-          face.node);
-    }
+      result.push_back(point);
+    });
   }
   return result;
 }
@@ -181,7 +169,7 @@ double far_field_cost(const par::Comm& comm, const State& state, const std::vect
   if (std::none_of(input.boundary.begin(), input.boundary.end(),
                    [](const Boundary& b) { return b.condition == Condition::far_field; }))
     return 0;
-  const auto points = far_field_points(state, w);
+  const auto points = with_element(domain, [&](const auto& element) { return far_field_points(element, state, w); });
   const auto sources = sources_of(state, electrodes);
   const auto amount = fit(comm, sources, points);
   const bool is_midplane = goal.kind == Goal::Kind::midplane;

@@ -11,28 +11,19 @@ namespace pamr::poisson_boltzmann {
 namespace {
 
 /// Adds half of the integral of alpha u^2 over the faces of the far field: the energy beyond them.
-void add_far_field(const State& state, par::ExactSum& sum) {
+template <class Element>
+void add_far_field(const Element& element, const State& state, par::ExactSum& sum) {
   const auto& problem = state.problem;
-  const auto& domain = problem.domain;
-  if (!domain.quadratic) {
-    const auto& robin = problem.conditions.robin;
-    for (std::size_t i = 0; i < robin.size(); ++i)
-      if (robin[i] != 0 && domain.nodes.is_owned(i)) sum.add(0.5 * robin[i] * state.u[i] * state.u[i]);
-    return;
-  }
-  for (std::size_t f = 0; f < domain.faces.size(); ++f) {
-    const auto& patch = domain.mesh->info.patches[at(domain.faces[f].patch)].name;
-    if (problem.input.find_boundary(patch)->condition != Condition::far_field) continue;
-    const auto node = domain.quadratic->face_points(domain, f);
-    const auto& number = domain.quadratic->face_to_node[f];
+  const auto& faces = element.domain.faces;
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    if (problem.boundary_of(faces[f]).condition != Condition::far_field) continue;
+    const auto face = element.face(f);
+    const auto value = face.values(state.u);
     double of_face = 0;
-    for (const auto& point : face_points()) {
-      const auto placed = place(node, point);
-      double u = 0;
-      for (std::size_t k = 0; k < 6; ++k) u += point.value[k] * state.u[at(number[k])];
-      of_face +=
-          0.5 * placed.area * far_field_coefficient(problem.input.spheres, placed.position, placed.normal) * u * u;
-    }
+    face.at_wall_points([&](const auto& point) {
+      const double u = interpolated(point.value, value);
+      of_face += 0.5 * point.area * far_field_coefficient(problem.input.spheres, point.middle, point.normal) * u * u;
+    });
     sum.add(of_face);
   }
 }
@@ -44,7 +35,7 @@ std::optional<FreeEnergy> free_energy_of(const par::Comm& comm, const State& sta
   if (problem.input.plate || problem.input.manufactured) return std::nullopt;
   // Beyond the far field; charges times potentials, given ones alone and all of them; sites.
   std::array<par::ExactSum, 4> sums;
-  add_far_field(state, sums[0]);
+  with_element(problem.domain, [&](const auto& element) { add_far_field(element, state, sums[0]); });
   const auto& conditions = problem.conditions;
   for (std::size_t i = 0; i < state.u.size(); ++i) {
     if (!problem.domain.nodes.is_owned(i)) continue;

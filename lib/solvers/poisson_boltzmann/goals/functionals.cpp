@@ -11,7 +11,7 @@
 #include "pamr/base/listed.hpp"
 #include "solvers/poisson_boltzmann/fem/site_walls.hpp"
 #include "solvers/poisson_boltzmann/goals/cut_off.hpp"
-#include "solvers/poisson_boltzmann/goals/quadratic_goals.hpp"
+#include "solvers/poisson_boltzmann/goals/goal_space.hpp"
 #include "solvers/poisson_boltzmann/goals/volume_force.hpp"
 
 namespace pamr::poisson_boltzmann {
@@ -45,22 +45,19 @@ PatchResult& result_named(const std::string& name, Functionals& result) {
 
 void set_volume_goal(const par::Comm& comm, const State& state, const Electrode& electrode, const PatchResult& patch,
                      const CutOff& cut_off, GoalFunctional& goal) {
-  const bool is_linear = !state.problem.domain.quadratic;
   const bool is_torque = goal.goal.kind == Goal::Kind::torque;
   if (!is_torque && goal.goal.kind != Goal::Kind::force) return;
   const auto axis = at(goal.goal.axis);
   const auto& mirrors = electrode.mirrors;
   goal.value = is_torque ? (*patch.torque)[axis] : (*patch.volume)[axis];
-  goal.through_walls = is_torque || !is_linear ? 0 : patch.through_walls[axis];
+  const bool has_walls = with_element(
+      state.problem.domain, [&](const auto& element) { return decltype(goal_space(element, state))::has_walls; });
+  goal.through_walls = is_torque || has_walls ? 0 : patch.through_walls[axis];
   goal.factor = mirrors.factor;
   const Component component{goal.goal.axis, is_torque, electrode.center};
   goal.load = volume_form_derivative(comm, state, cut_off.chi, cut_off.open_walls, component);
-  if (!is_linear) {
-    goal.squares = quadratic_volume_form_remainder(state, cut_off.chi, cut_off.open_walls, component);
-    goal.remainder = par::reproducible_sum(comm, goal.squares);
-  } else {
-    goal.remainder = volume_form_remainder(comm, state, cut_off.chi, component);
-  }
+  goal.squares = volume_form_remainder(state, cut_off.chi, cut_off.open_walls, component);
+  goal.remainder = par::reproducible_sum(comm, goal.squares);
 }
 
 void add_volume_form(const par::Comm& comm, const State& state, System& system, const Electrode& electrode,
@@ -117,29 +114,28 @@ void add_midplane_form(const par::Comm& comm, const State& state, const Excess& 
     goal.value = force;
     goal.factor = factor;
     goal.load = midplane_derivative(comm, state, excess, number);
-    if (domain.quadratic) {
-      goal.squares = quadratic_midplane_remainder(state, number);
-      goal.remainder = par::reproducible_sum(comm, goal.squares);
-    } else {
-      goal.remainder = midplane_remainder(comm, state, number);
-    }
+    goal.squares = midplane_remainder(state, excess, number);
+    goal.remainder = par::reproducible_sum(comm, goal.squares);
   }
 }
 
-/// Derivative of the charge of the sites that the goal counts, with the other sign. Collective: an exchange.
+/// Derivative of the charge of the sites that the goal counts, with the other sign, and the square of the error in it.
+/// Collective: an exchange and an exact sum.
 void set_site_goal(const par::Comm& comm, const State& state, GoalFunctional& goal) {
-  const auto& problem = state.problem;
-  if (problem.domain.quadratic) {
-    goal.load = quadratic_charge_derivative(comm, state, goal);
-    goal.squares = quadratic_charge_remainder(state, goal);
-    goal.remainder = par::reproducible_sum(comm, goal.squares);
-    return;
-  }
-  at_site_points(problem, state.u, [&](const SitePoint& point) {
-    if (goal.counts(problem.domain.faces[point.face].patch))
-      point.add(-point.area * point.site->slope(point.psi), goal.load);
+  const auto& domain = state.problem.domain;
+  goal.squares.assign(domain.mesh->cell_to_node.size(), 0);
+  goal.load = with_element(domain, [&](const auto& element) {
+    auto space = goal_space(element, state);
+    at_site_points(state.problem, state.u, [&](const SitePoint& point) {
+      const auto& face = domain.faces[point.face];
+      if (!goal.counts(face.patch)) return;
+      space.add_on_face(point.face, point, -point.area * point.site->slope(point.psi));
+      const double error = space.error_on_face(point.face, point.index);
+      goal.squares[at(face.cell)] += 0.5 * point.area * point.site->curvature(point.psi) * error * error;
+    });
+    return space.total(comm);
   });
-  problem.domain.nodes.sum_copies(comm, goal.load);
+  goal.remainder = par::reproducible_sum(comm, goal.squares);
 }
 
 void set_charge_goal(const par::Comm& comm, const State& state, const std::vector<Electrode>& electrodes,
@@ -167,45 +163,28 @@ void set_charge_goal(const par::Comm& comm, const State& state, const std::vecto
     }
 }
 
-/// The charges of walls and, at the far field, the flux of the profile, lumped. Collective: one exchange.
-std::vector<double> fluxes_without_profile(const par::Comm& comm, const State& state) {
-  const auto& problem = state.problem;
-  const auto& domain = problem.domain;
-  std::vector<double> result(domain.point.size(), 0);
-  for (const auto& face : domain.faces) {
-    const auto* b = problem.input.find_boundary(domain.mesh->info.patches[at(face.patch)].name);
-    for (const auto node : face.node) {
-      const auto i = at(node);
-      if (b->holds_charge()) result[i] += face.area / 3 * b->charge_at(problem.conditions.psi0[i] + state.u[i]);
-      if (b->condition == Condition::far_field)
-        result[i] += face.area / 3 * face.normal.z * problem.split_slope(domain.point[i].z);
-    }
-  }
-  domain.nodes.sum_copies(comm, result);
-  return result;
-}
-
 /// The energy is stationary but for charges of walls and the far field: its derivative is what these add.
 void set_energy_goal(const par::Comm& comm, const State& state, const Energy& energy, GoalFunctional& goal) {
   const auto& problem = state.problem;
-  const auto& conditions = problem.conditions;
+  const auto& domain = problem.domain;
   goal.value = problem.input.split ? energy.excess : energy.total;
-  if (problem.domain.quadratic) {
-    goal.load = quadratic_energy_derivative(comm, state);
-    for (std::size_t i = 0; i < conditions.fixed.size(); ++i)
-      if (conditions.fixed[i] != 0) goal.load[i] = 0;
-    return;
-  }
-  if (problem.input.split) {
-    goal.load = fluxes_without_profile(comm, state);
-  } else {
-    goal.load.assign(conditions.load.size(), 0);
-    add_site_charge(problem, state.u, 1, goal.load);
-    problem.domain.nodes.sum_copies(comm, goal.load);
-    for (std::size_t i = 0; i < goal.load.size(); ++i) goal.load[i] += conditions.load[i];
-  }
-  for (std::size_t i = 0; i < goal.load.size(); ++i)
-    goal.load[i] = conditions.fixed[i] != 0 ? 0 : goal.load[i] - conditions.robin[i] * state.u[i];
+  goal.load = with_element(domain, [&](const auto& element) {
+    auto space = goal_space(element, state);
+    for (std::size_t f = 0; f < domain.faces.size(); ++f) {
+      const auto& b = problem.boundary_of(domain.faces[f]);
+      if (!b.holds_charge() && b.condition != Condition::far_field) continue;
+      const auto face = element.face(f);
+      const auto value = face.values(state.u);
+      face.at_wall_points([&](const auto& point) {
+        const double u = interpolated(point.value, value), psi0 = face.split_potential(problem, point);
+        space.add_on_face(f, point, point.area * outward_slope(problem, b, point, u, psi0));
+      });
+    }
+    return space.total(comm);
+  });
+  const auto& fixed = problem.conditions.fixed;
+  for (std::size_t i = 0; i < fixed.size(); ++i)
+    if (fixed[i] != 0) goal.load[i] = 0;
 }
 
 /// The mirrors must leave that component of a force or torque, and the body must have a volume form.

@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solvers/poisson_boltzmann/goals/midplane_force.hpp"
 
-#include <algorithm>
 #include <array>
-#include <cmath>
+#include <type_traits>
 
 #include "pamr/base/index.hpp"
-#include "solvers/poisson_boltzmann/fem/quadrature.hpp"
-#include "solvers/poisson_boltzmann/goals/quadratic_analysis.hpp"
-#include "solvers/poisson_boltzmann/goals/quadratic_goals.hpp"
+#include "solvers/poisson_boltzmann/goals/goal_space.hpp"
 
 namespace pamr::poisson_boltzmann {
 
@@ -27,101 +24,81 @@ Excess excess_of(const State& state) {
 
 namespace {
 
-/// The triangle of a mirror: gradients of its three corner functions within it.
-std::array<Vec3, 3> triangle_gradients(const Domain& domain, const BoundaryFace& face) {
-  std::array<Vec3, 3> p, result;
-  for (std::size_t k = 0; k < 3; ++k) p[k] = domain.point[at(face.node[k])];
-  for (std::size_t k = 0; k < 3; ++k)
-    result[k] = (0.5 / face.area) * cross(face.normal, p[(k + 2) % 3] - p[(k + 1) % 3]);
-  return result;
-}
-
-/// The excess on a triangle of a mirror.
-class MirrorTriangle {
- public:
-  MirrorTriangle(const Problem& problem, const BoundaryFace& face, const Excess& excess)
-      : problem_(problem), face_(face), excess_(excess), gradients(triangle_gradients(problem.domain, face)) {
-    for (std::size_t k = 0; k < 3; ++k) gradient += excess.u[at(face.node[k])] * gradients[k];
-  }
-
-  /// Calls `use(point, u, psi0)` for each point of the quadrature rule. psi0 is the profile at the point: between its
-  /// values at the nodes a straight line is far above it near a plate of high potential.
-  template <class Use>
-  void at_points(const Use& use) const {
-    for (const auto& point : triangle_points) {
-      double u = 0, z = 0;
-      for (std::size_t k = 0; k < 3; ++k) {
-        u += point.weight_of_corner[k] * excess_.u[at(face_.node[k])];
-        z += point.weight_of_corner[k] * problem_.domain.point[at(face_.node[k])].z;
-      }
-      use(point, u, problem_.profile.potential(z));
-    }
-  }
-
- private:
-  const Problem& problem_;
-  const BoundaryFace& face_;
-  const Excess& excess_;
-
- public:
-  std::array<Vec3, 3> gradients;  ///< of the corner functions, within the triangle
-  Vec3 gradient;                  ///< of u, within the triangle
+/// The excess at a point of a mirror. psi0 is the profile there: between its values at the nodes a straight line is far
+/// above it near a plate of high potential.
+struct MirrorPoint {
+  double u = 0, psi0 = 0;
+  Vec3 gradient;  ///< of u, within the mirror
 };
+
+/// Calls `use(face, point, excess)` for the points of a mirror. Of first order u is straight between its values at the
+/// nodes, of second the profile is taken away at each point.
+template <class Element, class Use>
+void at_mirror_points(const Element& element, const State& state, const Excess& excess, int patch, const Use& use) {
+  const auto& problem = state.problem;
+  constexpr bool is_nodal = std::is_same_v<Element, LinearElement>;
+  const bool has_profile = !is_nodal && !problem.input.split;
+  const auto nodal = is_nodal ? std::span<const double>(excess.u) : state.u;
+  for (std::size_t f = 0; f < element.domain.faces.size(); ++f) {
+    if (element.domain.faces[f].patch != patch) continue;
+    const auto face = element.face(f);
+    const auto value = face.values(nodal);
+    const auto behind = face.behind(nodal);
+    face.at_points([&](const auto& point) {
+      const double z = point.position.z, psi0 = problem.profile.potential(z);
+      MirrorPoint here{interpolated(point.value, value), psi0, behind.gradient(point)};
+      if (has_profile) {
+        here.u -= psi0;
+        here.gradient -= Vec3{0, 0, problem.profile.slope(z)};
+      }
+      here.gradient -= dot(here.gradient, point.normal) * point.normal;
+      use(face, point, here);
+    });
+  }
+}
 
 }  // namespace
 
 double midplane_force(const par::Comm& comm, const State& state, const Excess& excess, int patch) {
   const auto& problem = state.problem;
-  if (problem.domain.quadratic) return quadratic_midplane_force(comm, state, patch);
   std::array<par::ExactSum, 1> sum;
-  for (const auto& face : problem.domain.faces) {
-    if (face.patch != patch) continue;
-    const MirrorTriangle triangle(problem, face, excess);
-    double rest = 0;
-    triangle.at_points([&](const TrianglePoint& point, double u, double psi0) {
-      rest += point.weight * problem.term.convex_rest(u, psi0);
+  with_element(problem.domain, [&](const auto& element) {
+    at_mirror_points(element, state, excess, patch, [&](const auto&, const auto& point, const MirrorPoint& here) {
+      sum[0].add(point.area * (0.5 * squared_norm(here.gradient) + problem.term.convex_rest(here.u, here.psi0)));
     });
-    sum[0].add(face.area * (0.5 * squared_norm(triangle.gradient) + rest));
-  }
+  });
   return par::reproducible_sums(comm, sum)[0];
 }
 
 std::vector<double> midplane_derivative(const par::Comm& comm, const State& state, const Excess& excess, int patch) {
   const auto& problem = state.problem;
-  if (problem.domain.quadratic) return quadratic_midplane_derivative(comm, state, patch);
-  std::vector<double> result(problem.domain.point.size(), 0);
-  for (const auto& face : problem.domain.faces) {
-    if (face.patch != patch) continue;
-    const MirrorTriangle triangle(problem, face, excess);
-    for (std::size_t k = 0; k < 3; ++k)
-      result[at(face.node[k])] += face.area * dot(triangle.gradient, triangle.gradients[k]);
-    triangle.at_points([&](const TrianglePoint& point, double u, double psi0) {
-      const double value = face.area * point.weight * problem.term.value(u, psi0);
-      for (std::size_t k = 0; k < 3; ++k) result[at(face.node[k])] += value * point.weight_of_corner[k];
+  return with_element(problem.domain, [&](const auto& element) {
+    auto space = goal_space(element, state);
+    at_mirror_points(element, state, excess, patch, [&](const auto& face, const auto& point, const MirrorPoint& here) {
+      const auto functions = space.behind(face, point);
+      const double source = problem.term.value(here.u, here.psi0);
+      auto of_cell = functions.value;
+      for (std::size_t k = 0; k < of_cell.size(); ++k)
+        of_cell[k] = point.area * (dot(here.gradient, functions.gradient[k]) + source * functions.value[k]);
+      space.add(at(problem.domain.faces[face.number].cell), of_cell);
     });
-  }
-  problem.domain.nodes.sum_copies(comm, result);
-  return result;
+    return space.total(comm);
+  });
 }
 
-double midplane_remainder(const par::Comm& comm, const State& state, int patch) {
-  const auto& domain = state.problem.domain;
-  std::array<par::ExactSum, 1> sum;
-  for (const auto& face : domain.faces) {
-    if (face.patch != patch) continue;
-    const auto gradients = triangle_gradients(domain, face);
-    Vec3 gradient, total;
-    double squares = 0;
-    for (std::size_t k = 0; k < 3; ++k) gradient += state.u[at(face.node[k])] * gradients[k];
-    for (const auto node : face.node) {
-      const auto& recovered = state.recovered[at(node)];
-      const auto error = recovered - dot(recovered, face.normal) * face.normal - gradient;
-      total += error;
-      squares += squared_norm(error);
-    }
-    sum[0].add(0.5 * face.area / 12 * (squares + squared_norm(total)));
-  }
-  return par::reproducible_sums(comm, sum)[0];
+std::vector<double> midplane_remainder(const State& state, const Excess& excess, int patch) {
+  const auto& problem = state.problem;
+  std::vector<double> result(problem.domain.mesh->cell_to_node.size(), 0);
+  with_element(problem.domain, [&](const auto& element) {
+    const auto space = goal_space(element, state);
+    at_mirror_points(element, state, excess, patch, [&](const auto& face, const auto& point, const MirrorPoint& here) {
+      const auto c = at(problem.domain.faces[face.number].cell);
+      auto error = space.error(c, space.behind(face, point));
+      error.gradient -= dot(error.gradient, point.normal) * point.normal;
+      result[c] += 0.5 * point.area * squares_of(space, error, [&] { return problem.term.slope(here.u, here.psi0); });
+    });
+  });
+  return result;
 }
 
 namespace {
@@ -140,12 +117,10 @@ std::vector<NodalPressure> pressure_at_nodes(const Problem& problem, const Exces
   return result;
 }
 
-}  // namespace
-
-Energy energy_of(const par::Comm& comm, const State& state, const Excess& excess) {
+/// By nodal values of the pressure, of which a node has one for all its cells, and of the profile.
+Energy energy_on(const LinearElement& element, const par::Comm& comm, const State& state, const Excess& excess) {
   const auto& problem = state.problem;
-  if (problem.domain.quadratic) return quadratic_energy(comm, state);
-  const auto& domain = problem.domain;
+  const auto& domain = element.domain;
   const auto& cells = domain.mesh->cell_to_node;
   const bool has_plate = problem.input.plate.has_value();
   const auto pressure = pressure_at_nodes(problem, excess);
@@ -181,6 +156,40 @@ Energy energy_of(const par::Comm& comm, const State& state, const Excess& excess
   }
   const auto totals = par::reproducible_sums(comm, sums);
   return {totals[0], has_plate ? totals[1] : totals[0]};
+}
+
+/// By points of the cells.
+Energy energy_on(const QuadraticElement& element, const par::Comm& comm, const State& state, const Excess&) {
+  const auto& problem = state.problem;
+  std::array<par::ExactSum, 2> sums;
+  for (std::size_t c = 0; c < element.cells().size(); ++c) {
+    const auto cell = element.cell(c);
+    const auto u = cell.field(state.u);
+    std::array<double, 2> of_cell{};
+    cell.at_points([&](const auto& point) {
+      const double z = point.position.z, psi0 = problem.profile.potential(z);
+      const Vec3 base{0, 0, problem.profile.slope(z)};
+      auto rest = u.gradient(point);
+      double excess = u.at(point);
+      if (!problem.input.split) {
+        rest -= base;
+        excess -= psi0;
+      }
+      of_cell[0] += point.weight * (0.5 * squared_norm(rest + base) + problem.term.pressure(excess + psi0, 0));
+      of_cell[1] += point.weight * (0.5 * squared_norm(rest) + dot(rest, base) + problem.term.pressure(excess, psi0));
+    });
+    sums[0].add(of_cell[0]);
+    sums[1].add(of_cell[1]);
+  }
+  const auto totals = par::reproducible_sums(comm, sums);
+  return {totals[0], totals[1]};
+}
+
+}  // namespace
+
+Energy energy_of(const par::Comm& comm, const State& state, const Excess& excess) {
+  return with_element(state.problem.domain,
+                      [&](const auto& element) { return energy_on(element, comm, state, excess); });
 }
 
 }  // namespace pamr::poisson_boltzmann

@@ -18,12 +18,12 @@ Excess excess_of(const State& state);
 /// what lies on this side of the mirror is pushed away from it. `excess` is that of the state. Collective: an exact
 /// sum.
 double midplane_force(const par::Comm& comm, const State& state, const Excess& excess, int patch);
-/// Its derivative by u at the nodes, of second order by all functions of `CubicFunctions`. Collective: one exchange.
+/// Its derivative by the functions of `GoalSpace`. Collective: one exchange.
 std::vector<double> midplane_derivative(const par::Comm& comm, const State& state, const Excess& excess, int patch);
 
-/// What the error of the gradient adds to it in second order: half of the integral of its square within the mirror, by
-/// recovered gradients. Of first order. Collective: an exact sum.
-double midplane_remainder(const par::Comm& comm, const State& state, int patch);
+/// n_cells: what the known error of the solution (`GoalSpace`) adds to it in second order, half of the integral of its
+/// square within the mirror. Local.
+std::vector<double> midplane_remainder(const State& state, const Excess& excess, int patch);
 
 /// Integral of |grad psi|^2/2 + cosh psi - 1 over the mesh; `excess` less that of psi0 alone.
 struct Energy {

@@ -149,7 +149,7 @@ double charge_at_edges(const par::Comm& comm, const State& state, std::uint64_t 
   for (std::size_t f = 0; f < domain.faces.size(); ++f) {
     const auto& face = domain.faces[f];
     const auto own = at(face.patch);
-    const auto& b = *problem.input.find_boundary(patches[own].name);
+    const auto& b = problem.boundary_of(face);
     if (!b.holds_charge() || surfaces.of(own) == nullptr) continue;
     const double of_goal = (counted >> own & 1U) != 0 ? 1 : 0;
     const auto weight = [&](std::size_t node, double of_w) {
@@ -162,8 +162,8 @@ double charge_at_edges(const par::Comm& comm, const State& state, std::uint64_t 
       std::array<double, 3> amount{weight(end[0], w[end[0]]), weight(end[1], w[end[1]])};
       node[2] = 0.5 * (node[0] + node[1]);
       amount[2] = 0.5 * (amount[0] + amount[1]);
-      if (domain.quadratic) {
-        const auto middle = at(domain.quadratic->face_to_node[f][3 + k]);
+      if (const auto nodes = domain.face_nodes(f); nodes.size() == 6) {
+        const auto middle = at(nodes[3 + k]);
         shared &= domain.node_patches[middle];
         node[2] = domain.point[middle];
         amount[2] = weight(middle, w[middle]);

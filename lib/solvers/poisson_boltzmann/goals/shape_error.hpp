@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "solvers/poisson_boltzmann/goals/cubic_correction.hpp"
 #include "solvers/poisson_boltzmann/goals/functionals.hpp"
 
 namespace pamr::poisson_boltzmann {
@@ -18,5 +19,10 @@ struct DualGradients {
 /// By shape_change.hpp. 0 where the mesh knows no curved surface. Collective: three exact sums.
 ShapeError shape_error(const par::Comm& comm, const State& state, const GoalFunctional& functional,
                        const DualGradients& dual);
+
+/// The correction of second order, for what curved faces miss of their surfaces, with the gradients of third order. What
+/// is left is added to `dual.rest`: the errors of these gradients, the square of the distance times the wave number of
+/// the gap, and `charge_at_edges`. Collective: an exact sum.
+double shape_error(const par::Comm& comm, const State& state, const GoalFunctional& functional, CubicGoalError& dual);
 
 }  // namespace pamr::poisson_boltzmann

@@ -4,7 +4,7 @@
 #include <array>
 
 #include "pamr/base/index.hpp"
-#include "solvers/poisson_boltzmann/goals/quadratic_analysis.hpp"
+#include "solvers/poisson_boltzmann/fem/elements.hpp"
 #include "solvers/poisson_boltzmann/goals/wall_stress.hpp"
 
 namespace pamr::poisson_boltzmann {
@@ -45,82 +45,55 @@ struct FaceTotals {
 };
 
 /// What one boundary face adds to its patch.
-class FaceTerms {
- public:
-  explicit FaceTerms(const State& state) : state_(state), problem_(state.problem) {
-    for (const auto& patch : problem_.domain.mesh->info.patches)
-      boundary_.push_back(problem_.input.find_boundary(patch.name));
-  }
-
-  void add(const BoundaryFace& face, FaceSums& sums) const {
-    const auto& b = *boundary_[at(face.patch)];
-    const Vec3 n = -face.normal;  // from the body into the liquid
-    const double third = face.area / 3;
-    double mean_pressure = 0, charge = 0, potential = 0;
-    Vec3 recovered, reaction;
-    for (const auto node : face.node) {
-      const auto i = at(node);
-      const double slope = problem_.split_slope(problem_.domain.point[i].z);
-      const double pressure = problem_.term.pressure(state_.u[i], problem_.conditions.psi0[i]);
-      mean_pressure += pressure / 3;
-      const Vec3 base{0, 0, slope};
-      recovered += third * (added_stress(state_.recovered[i], base, n) - pressure * n);
-      const auto by_reaction = fixes_potential(b.condition) ? reaction_charge(problem_, state_.reaction, face.normal, i)
-                                                            : std::optional<double>();
-      const double density = by_reaction ? *by_reaction : outward_slope(b, face, i);
-      charge += third * density;
-      potential += third * (problem_.conditions.psi0[i] + state_.u[i]);
-      reaction += third * (added_stress(-density * n - base, base, n) - pressure * n);
+template <class Element>
+void add_face(const Element& element, const State& state, std::size_t f, FaceSums& sums) {
+  const auto& problem = state.problem;
+  const auto& domain = problem.domain;
+  const auto& b = problem.boundary_of(domain.faces[f]);
+  const auto face = element.face(f);
+  const auto value = face.values(state.u);
+  const auto behind = face.behind(state.u);
+  double charge = 0, potential = 0;
+  Vec3 raw, recovered, reaction;
+  face.at_wall_points([&](const auto& point) {
+    const double u = interpolated(point.value, value), psi0 = face.split_potential(problem, point);
+    const double pressure = problem.term.pressure(u, psi0);
+    const Vec3 n = -point.normal;  // from the body into the liquid
+    const Vec3 base{0, 0, problem.split_slope(point.position.z)};
+    const auto stress_of = [&](Vec3 gradient, Vec3 of_profile) {
+      return point.area * (added_stress(gradient, of_profile, n) - pressure * n);
+    };
+    raw += stress_of(behind.gradient(point), {0, 0, face.split_slope(problem, point)});
+    recovered += stress_of(interpolated(point.value, face.nodes, state.recovered), base);
+    double density = outward_slope(problem, b, point, u, psi0);
+    if constexpr (Element::has_lumped_walls) {
+      if (fixes_potential(b.condition))
+        density = reaction_charge(problem, state.reaction, point.normal, at(face.nodes[point.index])).value_or(density);
+      reaction += stress_of(-density * n - base, base);
     }
-    const Vec3 base{0, 0, problem_.split_slope(face.node)};
-    sums.raw.add(face.area * (added_stress(state_.cell_gradient[at(face.cell)], base, n) - mean_pressure * n));
-    sums.recovered.add(recovered);
-    sums.reaction.add(reaction);
-    sums.charge_and_potential[0].add(charge);
-    sums.charge_and_potential[1].add(potential);
-  }
-
- private:
-  /// dpsi/dn out of the liquid, where the condition gives it.
-  double outward_slope(const Boundary& b, const BoundaryFace& face, std::size_t node) const {
-    if (b.condition != Condition::far_field) return b.charge_at(problem_.conditions.psi0[node] + state_.u[node]);
-    Vec3 middle;
-    for (const auto other : face.node) middle += (1.0 / 3) * problem_.domain.point[at(other)];
-    const double z = problem_.domain.point[node].z, psi0 = problem_.profile.potential(z);
-    const double excess = state_.u[node] - (problem_.input.split ? 0 : psi0);
-    return face.normal.z * problem_.profile.slope(z) -
-           far_field_coefficient(problem_.input.spheres, middle, face.normal) * excess;
-  }
-
-  const State& state_;
-  const Problem& problem_;
-  std::vector<const Boundary*> boundary_;
-};
-
-/// The same of second order, where nodal charges have no density at a node: the form by reactions is left out.
-std::vector<FaceTotals> quadratic_totals(const par::Comm& comm, const State& state, const Layers& layers) {
-  std::vector<FaceTotals> result;
-  for (const auto& surface : quadratic_surfaces(comm, state)) {
-    auto& totals = result.emplace_back();
-    totals.area = surface.area;
-    totals.charge = surface.charge;
-    totals.potential = surface.potential;
-    totals.raw = surface.raw;
-    totals.recovered = surface.recovered;
-    totals.layer = layers.patches[result.size() - 1];
-    totals.is_fixed = false;
-  }
-  return result;
+    charge += point.area * density;
+    potential += point.area * (psi0 + u);
+  });
+  sums.raw.add(raw);
+  sums.recovered.add(recovered);
+  sums.reaction.add(reaction);
+  sums.charge_and_potential[0].add(charge);
+  sums.charge_and_potential[1].add(potential);
 }
 
-/// Totals of each patch of the mesh. Collective: exact sums.
-std::vector<FaceTotals> totals_of_patches(const par::Comm& comm, const State& state, const Layers& layers) {
-  const auto& domain = state.problem.domain;
+/// Totals of each patch of the mesh. Of second order nodal charges have no density at a node: they count to the patch
+/// that decides the node, and the form by reactions is left out. Collective: exact sums.
+template <class Element>
+std::vector<FaceTotals> totals_of_patches(const Element& element, const par::Comm& comm, const State& state,
+                                          const Layers& layers) {
+  const auto& domain = element.domain;
   const auto& patches = domain.mesh->info.patches;
-  if (domain.quadratic) return quadratic_totals(comm, state, layers);
   std::vector<FaceSums> sums(patches.size());
-  const FaceTerms terms(state);
-  for (const auto& face : domain.faces) terms.add(face, sums[at(face.patch)]);
+  for (std::size_t f = 0; f < domain.faces.size(); ++f) add_face(element, state, f, sums[at(domain.faces[f].patch)]);
+  const auto& deciding = state.problem.conditions.deciding_patch;
+  if (!Element::has_lumped_walls)
+    for (const auto node : domain.nodes.owned())
+      if (deciding[at(node)] >= 0) sums[at(deciding[at(node)])].charge_and_potential[0].add(state.reaction[at(node)]);
   std::vector<FaceTotals> result(patches.size());
   for (std::size_t p = 0; p < patches.size(); ++p) {
     auto& totals = result[p];
@@ -133,7 +106,7 @@ std::vector<FaceTotals> totals_of_patches(const par::Comm& comm, const State& st
     totals.reaction = sums[p].reaction.total(comm);
     totals.layer = layers.patches[p];
     const auto* b = state.problem.input.find_boundary(patches[p].name);
-    totals.is_fixed = b != nullptr && b->condition == Condition::potential;
+    totals.is_fixed = Element::has_lumped_walls && b != nullptr && b->condition == Condition::potential;
   }
   return result;
 }
@@ -161,10 +134,28 @@ PatchResult result_of(const std::string& name, const FaceTotals& totals, const M
 
 }  // namespace
 
+double outward_slope(const Problem& problem, const Boundary& b, const PlacedFacePoint& point, double u, double psi0) {
+  const double z = point.position.z;
+  switch (b.condition) {
+    case Condition::charge:
+    case Condition::regulated:
+      return b.charge_at(psi0 + u);
+    case Condition::symmetry:
+      return 0;
+    case Condition::far_field:
+      return point.normal.z * problem.profile.slope(z) -
+             far_field_coefficient(problem.input.spheres, point.middle, point.normal) *
+                 (u - (problem.input.split ? 0 : problem.profile.potential(z)));
+    default:
+      return point.normal.z * problem.split_slope(z);
+  }
+}
+
 std::vector<PatchResult> surface_results(const par::Comm& comm, const State& state,
                                          std::span<const Electrode> electrodes, const Layers& layers) {
   const auto& patches = state.problem.domain.mesh->info.patches;
-  const auto totals = totals_of_patches(comm, state, layers);
+  const auto totals = with_element(
+      state.problem.domain, [&](const auto& element) { return totals_of_patches(element, comm, state, layers); });
   std::vector<PatchResult> results;
   for (std::size_t p = 0; p < patches.size(); ++p) {
     const Electrode* electrode = nullptr;

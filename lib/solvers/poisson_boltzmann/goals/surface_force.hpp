@@ -34,6 +34,11 @@ struct PatchResult {
   double inner = 0, outer = 0;                      ///< of the cut-off function around a sphere, where stated
 };
 
+/// dpsi/dn out of the liquid where the condition gives it, and the part of the profile that is split off elsewhere.
+/// Local.
+double outward_slope(const Problem& problem, const Boundary& boundary, const PlacedFacePoint& point, double u,
+                     double psi0);
+
 /// Charges and surface forms of all patches of the mesh and of the bodies of several patches, in this order; the other
 /// forms are left empty. Refers to `electrodes`. Collective: exact sums.
 std::vector<PatchResult> surface_results(const par::Comm& comm, const State& state,

@@ -3,11 +3,10 @@
 
 #include <array>
 #include <cmath>
+#include <type_traits>
 
 #include "pamr/base/index.hpp"
-#include "solvers/poisson_boltzmann/fem/quadrature.hpp"
-#include "solvers/poisson_boltzmann/goals/quadratic_analysis.hpp"
-#include "solvers/poisson_boltzmann/goals/quadratic_goals.hpp"
+#include "solvers/poisson_boltzmann/goals/goal_space.hpp"
 #include "solvers/poisson_boltzmann/goals/wall_stress.hpp"
 
 namespace pamr::poisson_boltzmann {
@@ -22,40 +21,7 @@ Vec3 Component::at(Vec3 point) const {
 
 namespace {
 
-/// A cell in which the cut-off function varies.
-struct CutOffCell {
-  Vec3 slope;   ///< grad chi
-  Vec3 middle;  ///< centroid
-  Vec3 base;    ///< grad psi0, mean of the Gauss points: bounded even where the plate's own slope is not
-  std::array<double, 4> u{}, psi0{};  ///< at the Gauss points; psi0 is exact there
-};
-
-bool is_constant(std::span<const double> chi, const mesh::CellNodes& nodes) {
-  const double first = chi[at(nodes[0])];
-  return chi[at(nodes[1])] == first && chi[at(nodes[2])] == first && chi[at(nodes[3])] == first;
-}
-
-CutOffCell cut_off_cell(const State& state, std::span<const double> chi, std::size_t cell, const CellShape& shape) {
-  const auto& problem = state.problem;
-  const auto& nodes = problem.domain.mesh->cell_to_node[cell];
-  CutOffCell result;
-  for (std::size_t k = 0; k < 4; ++k) {
-    const double here = chi[at(nodes[k])];
-    result.slope += here * shape.gradient[k];
-    result.middle += 0.25 * problem.domain.point[at(nodes[k])];
-  }
-  for (std::size_t g = 0; g < 4; ++g) {
-    for (std::size_t k = 0; k < 4; ++k) result.u[g] += gauss_points[g].weight_of_corner[k] * state.u[at(nodes[k])];
-    if (!problem.input.split) continue;
-    double z = 0;
-    for (std::size_t k = 0; k < 4; ++k) z += gauss_points[g].weight_of_corner[k] * problem.domain.point[at(nodes[k])].z;
-    result.psi0[g] = problem.split_potential(z);
-    result.base.z += gauss_points[g].weight * problem.split_slope(z);
-  }
-  return result;
-}
-
-/// Mean of the pressure at the Gauss points of a cell where nothing is split off and the equation is not linear. An
+/// Pressure at the Gauss points of cells of first order where nothing is split off and the equation is not linear. An
 /// exponential of a sum is a product of exponentials, which the nodes have once for all their cells.
 class GaussPressure {
  public:
@@ -67,125 +33,195 @@ class GaussPressure {
     }
   }
 
-  double mean(const mesh::CellNodes& nodes) const {
-    double shared = 1, squares = 0;
-    for (const auto node : nodes) shared *= shared_[at(node)];
-    for (const auto node : nodes) {
-      const double exponential = shared * own_[at(node)];       // of half of the potential
-      const double twice_sinh = exponential - 1 / exponential;  // cosh u - 1 = 2 sinh(u/2)^2
-      squares += twice_sinh * twice_sinh;
-    }
-    return squares / 8;
+  /// At the point that is near corner `point` of the cell.
+  double at(const mesh::CellNodes& nodes, std::size_t point) const {
+    double shared = 1;
+    for (const auto node : nodes) shared *= shared_[pamr::at(node)];
+    const double exponential = shared * own_[pamr::at(nodes[point])];  // of half of the potential
+    const double twice_sinh = exponential - 1 / exponential;           // cosh u - 1 = 2 sinh(u/2)^2
+    return 0.5 * twice_sinh * twice_sinh;
   }
 
  private:
   std::vector<double> shared_, own_;
 };
 
-/// What the walls give that meet the body and are no mirrors.
-void add_walls(const State& state, std::span<const double> chi, std::uint64_t open_walls, Vec3 center, VectorSum& force,
-               VectorSum& torque) {
+struct VolumeSums {
+  VectorSum force, torque, walls;
+};
+
+/// The cells in which the cut-off function varies.
+template <class Element>
+void add_cut_off_cells(const Element& element, const State& state, std::span<const double> chi, Vec3 center,
+                       VolumeSums& sums) {
   const auto& problem = state.problem;
-  if (open_walls == 0) return;
-  for (const auto& face : problem.domain.faces) {
-    if ((open_walls >> static_cast<unsigned>(face.patch) & 1U) == 0) continue;
-    double share = 0, pressure = 0;
-    Vec3 middle;
-    for (const auto node : face.node) {
-      const auto i = at(node);
-      share += chi[i] / 3;
-      pressure += problem.term.pressure(state.u[i], problem.conditions.psi0[i]) * chi[i] / 3;
-      middle += (1.0 / 3) * problem.domain.point[i];
-    }
-    if (share == 0) continue;
-    const Vec3 base{0, 0, problem.split_slope(face.node)};
-    const auto part = face.area * (share * added_stress(state.cell_gradient[at(face.cell)], base, face.normal) -
-                                   pressure * face.normal);
-    force.add(part);
-    torque.add(cross(middle - center, part));
+  const bool has_products = std::is_same_v<Element, LinearElement> && !problem.input.split && problem.term.is_sinh();
+  const GaussPressure products(has_products ? state.u : std::span<const double>());
+  for (std::size_t c = 0; c < element.cells().size(); ++c) {
+    if (is_constant(chi, element.cells()[c])) continue;
+    const auto cell = element.cell(c);
+    const auto cut = cell.field(chi), u = cell.field(state.u);
+    Vec3 force, torque;
+    cell.at_points([&](const auto& point) {
+      const double z = point.position.z;
+      const Vec3 base{0, 0, problem.split_slope(z)}, slope = cut.gradient(point);
+      const double pressure = has_products ? products.at(element.domain.mesh->cell_to_node[c], point.index)
+                                           : problem.term.pressure(u.at(point), problem.split_potential(z));
+      const auto part = -point.weight * (added_stress(u.gradient(point), base, slope) - pressure * slope);
+      force += part;
+      torque += cross(point.middle - center, part);
+    });
+    sums.force.add(force);
+    sums.torque.add(torque);
   }
+}
+
+/// Calls `use(face, chi at its nodes, u at its nodes)` for the faces of the walls that meet the body and are no mirrors.
+template <class Element, class Use>
+void at_open_walls(const Element& element, const State& state, std::span<const double> chi, std::uint64_t open_walls,
+                   const Use& use) {
+  const auto& faces = element.domain.faces;
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    if ((open_walls >> static_cast<unsigned>(faces[f].patch) & 1U) == 0) continue;
+    const auto face = element.face(f);
+    use(face, face.values(chi), face.values(state.u));
+  }
+}
+
+template <class Element>
+void add_open_walls(const Element& element, const State& state, std::span<const double> chi, std::uint64_t open_walls,
+                    Vec3 center, VolumeSums& sums) {
+  const auto& problem = state.problem;
+  at_open_walls(element, state, chi, open_walls, [&](const auto& face, const auto& cut, const auto& value) {
+    const auto behind = face.behind(state.u);
+    Vec3 force, torque;
+    face.at_wall_points([&](const auto& point) {
+      const double share = interpolated(point.value, cut);
+      if (share == 0) return;
+      const Vec3 base{0, 0, face.split_slope(problem, point)};
+      const double pressure =
+          problem.term.pressure(interpolated(point.value, value), face.split_potential(problem, point));
+      const auto part =
+          share * point.area * (added_stress(behind.gradient(point), base, point.normal) - pressure * point.normal);
+      force += part;
+      torque += cross(point.middle - center, part);
+    });
+    sums.walls.add(force);
+    sums.torque.add(torque);
+  });
+}
+
+/// Adds the derivative of `weight` times the component of the stress on a plane of normal n: `gradient` is that of psi,
+/// `pressure_slope` that of the pressure.
+template <class At, std::size_t N>
+void add_stress_derivative(const At& here, double weight, Vec3 gradient, double pressure_slope, Vec3 n, Vec3 direction,
+                           std::array<double, N>& to) {
+  const double through = dot(gradient, n), along = dot(n, direction), forward = dot(gradient, direction);
+  for (std::size_t k = 0; k < N; ++k)
+    to[k] += weight * (dot(here.gradient[k], direction) * through + forward * dot(here.gradient[k], n) -
+                       along * (dot(gradient, here.gradient[k]) + pressure_slope * here.value[k]));
+}
+
+template <class Element>
+std::vector<double> component_derivative(const Element& element, const par::Comm& comm, const State& state,
+                                         std::span<const double> chi, std::uint64_t open_walls,
+                                         const Component& component) {
+  const auto& problem = state.problem;
+  auto space = goal_space(element, state);
+  using OfCell = std::array<double, GoalSpace<Element>::n_functions>;
+  for (std::size_t c = 0; c < element.cells().size(); ++c) {
+    if (is_constant(chi, element.cells()[c])) continue;
+    const auto cell = element.cell(c);
+    const auto cut = cell.field(chi), u = cell.field(state.u);
+    OfCell of_cell{};
+    cell.at_points([&](const auto& point) {
+      const double z = point.position.z;
+      const auto gradient = u.gradient(point) + Vec3{0, 0, problem.split_slope(z)};
+      const double slope = problem.term.pressure_slope(u.at(point), problem.split_potential(z));
+      add_stress_derivative(space.at(cell, point), -point.weight, gradient, slope, cut.gradient(point),
+                            component.at(point.middle), of_cell);
+    });
+    space.add(c, of_cell);
+  }
+  if (!space.has_walls) open_walls = 0;
+  at_open_walls(element, state, chi, open_walls, [&](const auto& face, const auto& cut, const auto& value) {
+    const auto behind = face.behind(state.u);
+    OfCell of_cell{};
+    face.at_wall_points([&](const auto& point) {
+      const auto gradient = behind.gradient(point) + Vec3{0, 0, face.split_slope(problem, point)};
+      const double slope =
+          problem.term.pressure_slope(interpolated(point.value, value), face.split_potential(problem, point));
+      add_stress_derivative(space.behind(face, point), interpolated(point.value, cut) * point.area, gradient, slope,
+                            point.normal, component.at(point.middle), of_cell);
+    });
+    space.add(at(element.domain.faces[face.number].cell), of_cell);
+  });
+  return space.total(comm);
+}
+
+template <class Element>
+std::vector<double> component_remainder(const Element& element, const State& state, std::span<const double> chi,
+                                        std::uint64_t open_walls, const Component& component) {
+  const auto& problem = state.problem;
+  const auto space = goal_space(element, state);
+  const auto stress_of = [&](const ErrorAt& error, Vec3 n, Vec3 direction, double squares) {
+    return dot(error.gradient, direction) * dot(error.gradient, n) - 0.5 * squares * dot(n, direction);
+  };
+  std::vector<double> result(element.cells().size(), 0);
+  for (std::size_t c = 0; c < result.size(); ++c) {
+    if (is_constant(chi, element.cells()[c])) continue;
+    const auto cell = element.cell(c);
+    const auto cut = cell.field(chi), u = cell.field(state.u);
+    cell.at_points([&](const auto& point) {
+      const auto error = space.error(c, space.at(cell, point));
+      const double squares = squares_of(
+          space, error, [&] { return problem.term.slope(u.at(point), problem.split_potential(point.position.z)); });
+      result[c] -= point.weight * stress_of(error, cut.gradient(point), component.at(point.middle), squares);
+    });
+  }
+  if (!space.has_walls) open_walls = 0;
+  at_open_walls(element, state, chi, open_walls, [&](const auto& face, const auto& cut, const auto& value) {
+    const auto c = at(element.domain.faces[face.number].cell);
+    face.at_wall_points([&](const auto& point) {
+      const auto error = space.error(c, space.behind(face, point));
+      const double squares = squares_of(space, error, [&] {
+        return problem.term.slope(interpolated(point.value, value), face.split_potential(problem, point));
+      });
+      result[c] += interpolated(point.value, cut) * point.area *
+                   stress_of(error, point.normal, component.at(point.middle), squares);
+    });
+  });
+  return result;
 }
 
 }  // namespace
 
 VolumeForm volume_form(const par::Comm& comm, const State& state, std::span<const double> chi, std::uint64_t open_walls,
                        Vec3 center) {
-  const auto& problem = state.problem;
-  if (problem.domain.quadratic) return quadratic_volume_form(comm, state, chi, open_walls, center);
-  const auto& cells = problem.domain.mesh->cell_to_node;
-  VectorSum force, torque, walls;
-  const bool has_products = !problem.input.split && problem.term.is_sinh();
-  const GaussPressure products(has_products ? state.u : std::span<const double>());
-  for (std::size_t c = 0; c < cells.size(); ++c) {
-    if (is_constant(chi, cells[c])) continue;
-    const auto shape = problem.domain.shape(c);
-    const auto cut = cut_off_cell(state, chi, c, shape);
-    double pressure = has_products ? products.mean(cells[c]) : 0;
-    for (std::size_t g = 0; g < 4 && !has_products; ++g)
-      pressure += gauss_points[g].weight * problem.term.pressure(cut.u[g], cut.psi0[g]);
-    const auto electric = added_stress(state.cell_gradient[c], cut.base, cut.slope);
-    const auto part = -shape.volume * (electric - pressure * cut.slope);
-    force.add(part);
-    torque.add(cross(cut.middle - center, part));
-  }
-  add_walls(state, chi, open_walls, center, walls, torque);
+  VolumeSums sums;
+  with_element(state.problem.domain, [&](const auto& element) {
+    add_cut_off_cells(element, state, chi, center, sums);
+    add_open_walls(element, state, chi, open_walls, center, sums);
+  });
   VolumeForm result;
-  result.through_walls = walls.total(comm);
-  result.force = force.total(comm) + result.through_walls;
-  result.torque = torque.total(comm);
+  result.through_walls = sums.walls.total(comm);
+  result.force = sums.force.total(comm) + result.through_walls;
+  result.torque = sums.torque.total(comm);
   return result;
 }
 
 std::vector<double> volume_form_derivative(const par::Comm& comm, const State& state, std::span<const double> chi,
                                            std::uint64_t open_walls, const Component& component) {
-  const auto& problem = state.problem;
-  if (problem.domain.quadratic) return quadratic_volume_form_derivative(comm, state, chi, open_walls, component);
-  const auto& cells = problem.domain.mesh->cell_to_node;
-  std::vector<double> result(problem.domain.point.size(), 0);
-  for (std::size_t c = 0; c < cells.size(); ++c) {
-    if (is_constant(chi, cells[c])) continue;
-    const auto shape = problem.domain.shape(c);
-    const auto cut = cut_off_cell(state, chi, c, shape);
-    const auto gradient = state.cell_gradient[c] + cut.base, direction = component.at(cut.middle);
-    const double through = dot(gradient, cut.slope), along = dot(cut.slope, direction), here = dot(gradient, direction);
-    std::array<double, 4> source{};  // mean of the slope of the pressure times each corner function
-    for (std::size_t g = 0; g < 4; ++g) {
-      const double slope = gauss_points[g].weight * problem.term.pressure_slope(cut.u[g], cut.psi0[g]);
-      for (std::size_t k = 0; k < 4; ++k) source[k] += slope * gauss_points[g].weight_of_corner[k];
-    }
-    for (std::size_t k = 0; k < 4; ++k)
-      result[at(cells[c][k])] -=
-          shape.volume * (dot(shape.gradient[k], direction) * through + here * dot(shape.gradient[k], cut.slope) -
-                          along * (dot(gradient, shape.gradient[k]) + source[k]));
-  }
-  problem.domain.nodes.sum_copies(comm, result);
-  return result;
+  return with_element(state.problem.domain, [&](const auto& element) {
+    return component_derivative(element, comm, state, chi, open_walls, component);
+  });
 }
 
-double volume_form_remainder(const par::Comm& comm, const State& state, std::span<const double> chi,
-                             const Component& component) {
-  const auto& problem = state.problem;
-  const auto& cells = problem.domain.mesh->cell_to_node;
-  std::array<par::ExactSum, 1> sum;
-  for (std::size_t c = 0; c < cells.size(); ++c) {
-    if (is_constant(chi, cells[c])) continue;
-    const auto shape = problem.domain.shape(c);
-    const auto cut = cut_off_cell(state, chi, c, shape);
-    const auto direction = component.at(cut.middle);
-    const auto stress_of = [&](Vec3 error) {
-      return dot(error, direction) * dot(error, cut.slope) - 0.5 * squared_norm(error) * dot(cut.slope, direction);
-    };
-    // Integral of a square of a linear function over a cell, by its corners: V/20 (sum of squares + square of the sum).
-    Vec3 total;
-    double squares = 0;
-    for (const auto node : cells[c]) {
-      const auto error = state.recovered[at(node)] - state.cell_gradient[c];
-      total += error;
-      squares += stress_of(error);
-    }
-    sum[0].add(-shape.volume / 20 * (squares + stress_of(total)));
-  }
-  return par::reproducible_sums(comm, sum)[0];
+std::vector<double> volume_form_remainder(const State& state, std::span<const double> chi, std::uint64_t open_walls,
+                                          const Component& component) {
+  return with_element(state.problem.domain, [&](const auto& element) {
+    return component_remainder(element, state, chi, open_walls, component);
+  });
 }
 
 }  // namespace pamr::poisson_boltzmann

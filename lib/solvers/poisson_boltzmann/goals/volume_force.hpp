@@ -29,14 +29,14 @@ struct VolumeForm {
 /// of psi0. `chi` is that of the nodes, bit p of `open_walls` stands for patch p. Collective: exact sums.
 VolumeForm volume_form(const par::Comm& comm, const State& state, std::span<const double> chi,
                        std::uint64_t open_walls = 0, geometry::Vec3 center = {});
-/// Derivative of one component by u at the nodes, but for what open walls give. Of second order that too, and the
-/// derivative is by all functions of `CubicFunctions`. Collective: one exchange.
+/// Derivative of one component by the functions of `GoalSpace`, which says whether it contains what open walls give.
+/// Collective: one exchange.
 std::vector<double> volume_form_derivative(const par::Comm& comm, const State& state, std::span<const double> chi,
                                            std::uint64_t open_walls, const Component& component);
 
-/// What the error of the gradient adds to one component in second order, by recovered gradients: as large as what the
-/// dual solution gives, because the stress is quadratic in the gradient. Of first order. Collective: an exact sum.
-double volume_form_remainder(const par::Comm& comm, const State& state, std::span<const double> chi,
-                             const Component& component);
+/// n_cells: what the known error of the solution (`GoalSpace`) adds to one component in second order. It is as large as
+/// what the dual solution gives, because the stress is quadratic in the gradient. Local.
+std::vector<double> volume_form_remainder(const State& state, std::span<const double> chi, std::uint64_t open_walls,
+                                          const Component& component);
 
 }  // namespace pamr::poisson_boltzmann
