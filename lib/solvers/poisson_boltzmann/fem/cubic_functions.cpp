@@ -6,6 +6,7 @@
 #include "pamr/base/index.hpp"
 #include "pamr/mesh/tet.hpp"
 #include "pamr/par/exchange.hpp"
+#include "solvers/poisson_boltzmann/fem/elements.hpp"
 
 namespace pamr::poisson_boltzmann {
 
@@ -162,7 +163,7 @@ CubicConditions cubic_conditions(const par::Comm& comm, const Problem& problem, 
     const auto& b = problem.boundary_of(domain.faces[f]);
     if (!fixes_potential(b.condition)) continue;
     const auto& nodes = elements.face_to_node[f];
-    const auto position = elements.face_points(domain, f);
+    const auto position = positions(domain, nodes);
     // Where another patch has another potential, the jump is on this face, and nothing smooth is to be added.
     const bool is_alone = std::all_of(nodes.begin(), nodes.end(), [&](LocalId node) {
       return problem.conditions.deciding_patch[at(node)] == domain.faces[f].patch;

@@ -28,6 +28,11 @@ std::array<T, N> at_nodes(const std::array<LocalId, N>& nodes, std::span<const T
   return result;
 }
 
+template <std::size_t N>
+std::array<geometry::Vec3, N> positions(const Domain& domain, const std::array<LocalId, N>& nodes) {
+  return at_nodes<geometry::Vec3>(nodes, domain.point);
+}
+
 inline geometry::Vec3 interpolated(std::span<const double> shape, std::span<const LocalId> nodes,
                                    std::span<const geometry::Vec3> value) {
   geometry::Vec3 sum;
@@ -197,7 +202,7 @@ class QuadraticElement {
   class Cell {
    public:
     Cell(const Domain& domain, std::size_t cell)
-        : nodes(domain.quadratic->cell_to_node[cell]), position_(domain.quadratic->points(domain, cell)) {}
+        : nodes(domain.quadratic->cell_to_node[cell]), position_(positions(domain, nodes)) {}
 
     Field field(std::span<const double> value) const { return {poisson_boltzmann::at_nodes(nodes, value)}; }
     template <class Use>
@@ -238,7 +243,7 @@ class QuadraticElement {
           number(face),
           domain_(domain),
           cell_(at(domain.faces[face].cell)),
-          position_(domain.quadratic->face_points(domain, face)) {}
+          position_(positions(domain, nodes)) {}
 
     using Point = PointOnFace<6>;
     struct FieldBehind {
@@ -276,7 +281,7 @@ class QuadraticElement {
       return cell_point(l);
     }
     PlacedPoint placed_behind(const CellPoint& point) const {
-      return place(domain_.quadratic->points(domain_, cell_), point);
+      return place(positions(domain_, domain_.quadratic->cell_to_node[cell_]), point);
     }
     double split_potential(const Problem& problem, const Point& point) const {
       return problem.split_potential(point.position.z);

@@ -10,20 +10,6 @@
 
 namespace pamr::poisson_boltzmann {
 
-using geometry::Vec3;
-
-OfCellNodes<Vec3> QuadraticElements::points(const Domain& domain, std::size_t cell) const {
-  OfCellNodes<Vec3> result;
-  for (std::size_t k = 0; k < 10; ++k) result[k] = domain.point[at(cell_to_node[cell][k])];
-  return result;
-}
-
-OfFaceNodes<Vec3> QuadraticElements::face_points(const Domain& domain, std::size_t face) const {
-  OfFaceNodes<Vec3> result;
-  for (std::size_t k = 0; k < 6; ++k) result[k] = domain.point[at(face_to_node[face][k])];
-  return result;
-}
-
 void make_quadratic(const par::Comm& comm, std::span<const int> face_slot, Domain& domain) {
   const auto& mesh = *domain.mesh;
   auto [nodes, report] = curved::curve_cells(comm, mesh);

@@ -11,7 +11,6 @@
 namespace pamr::poisson_boltzmann {
 
 struct Domain;
-struct BoundaryFace;
 
 /// What cells of second order add to a domain, whose nodes are then the corners, as in the mesh, and after them the
 /// mid-edge nodes.
@@ -21,9 +20,6 @@ struct QuadraticElements {
   std::vector<GlobalId> node_global;               ///< of all nodes
   GlobalId n_global_nodes = 0;
   curved::Report report;  ///< of curving the cells
-
-  OfCellNodes<geometry::Vec3> points(const Domain& domain, std::size_t cell) const;
-  OfFaceNodes<geometry::Vec3> face_points(const Domain& domain, std::size_t face) const;
 };
 
 /// Gives the cells of a domain nodes on their edges, and with them its `nodes`, `point` and `quadratic`. `face_slot`:
