@@ -65,12 +65,8 @@ SymmetricRows pattern_of(const Element& element) {
   return rows;
 }
 
-/// Adds to the entry of two nodes, which the rows have.
-void add(LocalId a, LocalId b, double amount, SymmetricRows& rows) {
-  if (a == b) {
-    rows.diagonal[at(a)] += amount;
-    return;
-  }
+/// Adds to the entry of two different nodes, which the rows have.
+void add_pair(LocalId a, LocalId b, double amount, SymmetricRows& rows) {
   auto place = rows.offset[at(std::max(a, b))];
   for (const auto column = std::min(a, b); rows.column[place] != column;) ++place;
   rows.value[place] += amount;
@@ -86,8 +82,10 @@ void add_cells(const Element& element, SymmetricRows& rows) {
       for (std::size_t i = 0; i < n; ++i)
         for (std::size_t j = 0; j <= i; ++j) block[n * i + j] += weight * dot(gradient[i], gradient[j]);
     });
-    for (std::size_t i = 0; i < n; ++i)
-      for (std::size_t j = 0; j <= i; ++j) add(cell.nodes[i], cell.nodes[j], block[n * i + j], rows);
+    for (std::size_t i = 0; i < n; ++i) {
+      rows.diagonal[at(cell.nodes[i])] += block[(n + 1) * i];
+      for (std::size_t j = 0; j < i; ++j) add_pair(cell.nodes[i], cell.nodes[j], block[n * i + j], rows);
+    }
   }
 }
 
@@ -210,9 +208,11 @@ void add_far_field(const Problem& problem, SymmetricRows& rows) {
       const auto face = element.face(f);
       face.at_wall_points([&](const auto& point) {
         const double amount = point.area * far_field_coefficient(problem.input.spheres, point.middle, point.normal);
-        for (std::size_t i = 0; i < face.nodes.size(); ++i)
-          for (std::size_t j = 0; j <= i; ++j)
-            add(face.nodes[i], face.nodes[j], amount * point.value[i] * point.value[j], rows);
+        for (std::size_t i = 0; i < face.nodes.size(); ++i) {
+          rows.diagonal[at(face.nodes[i])] += amount * point.value[i] * point.value[i];
+          for (std::size_t j = 0; j < i; ++j)
+            add_pair(face.nodes[i], face.nodes[j], amount * point.value[i] * point.value[j], rows);
+        }
       });
     }
   });

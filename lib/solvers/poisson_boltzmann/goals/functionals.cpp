@@ -43,6 +43,12 @@ PatchResult& result_named(const std::string& name, Functionals& result) {
                        [&](const PatchResult& patch) { return patch.name == name; });
 }
 
+/// The bars of second order need the parts of cells as well. Collective.
+void set_remainder(const par::Comm& comm, const State& state, std::vector<double> squares, GoalFunctional& goal) {
+  goal.remainder = par::reproducible_sum(comm, squares);
+  if (state.cubic != nullptr) goal.squares = std::move(squares);
+}
+
 void set_volume_goal(const par::Comm& comm, const State& state, const Electrode& electrode, const PatchResult& patch,
                      const CutOff& cut_off, GoalFunctional& goal) {
   const bool is_torque = goal.goal.kind == Goal::Kind::torque;
@@ -56,8 +62,7 @@ void set_volume_goal(const par::Comm& comm, const State& state, const Electrode&
   goal.factor = mirrors.factor;
   const Component component{goal.goal.axis, is_torque, electrode.center};
   goal.load = volume_form_derivative(comm, state, cut_off.chi, cut_off.open_walls, component);
-  goal.squares = volume_form_remainder(state, cut_off.chi, cut_off.open_walls, component);
-  goal.remainder = par::reproducible_sum(comm, goal.squares);
+  set_remainder(comm, state, volume_form_remainder(state, cut_off.chi, cut_off.open_walls, component), goal);
 }
 
 void add_volume_form(const par::Comm& comm, const State& state, System& system, const Electrode& electrode,
@@ -114,8 +119,7 @@ void add_midplane_form(const par::Comm& comm, const State& state, const Excess& 
     goal.value = force;
     goal.factor = factor;
     goal.load = midplane_derivative(comm, state, excess, number);
-    goal.squares = midplane_remainder(state, excess, number);
-    goal.remainder = par::reproducible_sum(comm, goal.squares);
+    set_remainder(comm, state, midplane_remainder(state, excess, number), goal);
   }
 }
 
@@ -123,7 +127,7 @@ void add_midplane_form(const par::Comm& comm, const State& state, const Excess& 
 /// Collective: an exchange and an exact sum.
 void set_site_goal(const par::Comm& comm, const State& state, GoalFunctional& goal) {
   const auto& domain = state.problem.domain;
-  goal.squares.assign(domain.mesh->cell_to_node.size(), 0);
+  std::vector<double> squares(domain.mesh->cell_to_node.size(), 0);
   goal.load = with_element(domain, [&](const auto& element) {
     auto space = goal_space(element, state);
     at_site_points(state.problem, state.u, [&](const SitePoint& point) {
@@ -131,11 +135,11 @@ void set_site_goal(const par::Comm& comm, const State& state, GoalFunctional& go
       if (!goal.counts(face.patch)) return;
       space.add_on_face(point.face, point, -point.area * point.site->slope(point.psi));
       const double error = space.error_on_face(point.face, point.index);
-      goal.squares[at(face.cell)] += 0.5 * point.area * point.site->curvature(point.psi) * error * error;
+      squares[at(face.cell)] += 0.5 * point.area * point.site->curvature(point.psi) * error * error;
     });
     return space.total(comm);
   });
-  goal.remainder = par::reproducible_sum(comm, goal.squares);
+  set_remainder(comm, state, std::move(squares), goal);
 }
 
 void set_charge_goal(const par::Comm& comm, const State& state, const std::vector<Electrode>& electrodes,

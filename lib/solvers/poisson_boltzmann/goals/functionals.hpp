@@ -15,7 +15,7 @@ struct GoalFunctional {
   std::optional<double> value;  ///< on full bodies; nothing where the layer at the patch is not resolved at all
   double factor = 1;            ///< of the symmetry: what full bodies have over the meshed part
   double remainder = 0;         ///< what the error of the gradient adds in second order, on the meshed part
-  std::vector<double> squares;  ///< n_cells: what `remainder` is the sum of; empty if it is 0
+  std::vector<double> squares;  ///< n_cells, of second order: what `remainder` is the sum of; empty if it is 0
   double through_walls = 0;     ///< part of a force whose derivative `load` lacks
   /// The derivative by the functions of `GoalSpace`, those of the nodes first; of a charge with the other sign.
   std::vector<double> load;
