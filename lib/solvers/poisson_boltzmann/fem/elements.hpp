@@ -79,25 +79,40 @@ class LinearElement {
     }
   };
 
-  class Cell {
+  /// A cell for what needs no gradients.
+  class Points {
    public:
-    Cell(const Domain& domain, std::size_t cell)
-        : nodes(domain.mesh->cell_to_node[cell]), corner_(domain.points(cell)), shape_(shape_of(corner_)) {}
+    Points(const Domain& domain, std::size_t cell)
+        : nodes(domain.mesh->cell_to_node[cell]), corner_(domain.points(cell)), volume(geometry::volume(corner_)) {}
 
-    Field field(std::span<const double> value) const {
-      Field result{at_nodes(nodes, value), {}};
-      for (std::size_t k = 0; k < 4; ++k) result.slope += result.value[k] * shape_.gradient[k];
-      return result;
-    }
     template <class Use>
     void at_points(const Use& use) const {
       geometry::Vec3 middle;
       for (const auto& corner : corner_) middle += 0.25 * corner;
       for (std::size_t g = 0; g < gauss_points.size(); ++g) {
-        Point point{gauss_points[g].weight_of_corner, {}, middle, shape_.volume * gauss_points[g].weight, g};
+        Point point{gauss_points[g].weight_of_corner, {}, middle, volume * gauss_points[g].weight, g};
         for (std::size_t k = 0; k < 4; ++k) point.position += point.value[k] * corner_[k];
         use(point);
       }
+    }
+
+    const mesh::CellNodes& nodes;
+
+   private:
+    geometry::TetPoints corner_;
+
+   public:
+    double volume;
+  };
+
+  class Cell : public Points {
+   public:
+    Cell(const Domain& domain, std::size_t cell) : Points(domain, cell), shape_(domain.shape(cell)) {}
+
+    Field field(std::span<const double> value) const {
+      Field result{at_nodes(nodes, value), {}};
+      for (std::size_t k = 0; k < 4; ++k) result.slope += result.value[k] * shape_.gradient[k];
+      return result;
     }
     /// Calls `use(weight, gradients)` for the points that products of two gradients take.
     template <class Use>
@@ -106,10 +121,7 @@ class LinearElement {
     }
     const std::array<geometry::Vec3, 4>& gradients() const { return shape_.gradient; }
 
-    const mesh::CellNodes& nodes;
-
    private:
-    geometry::TetPoints corner_;
     CellShape shape_;
   };
 
@@ -172,6 +184,7 @@ class LinearElement {
   explicit LinearElement(const Domain& on) : domain(on) {}
   const std::vector<mesh::CellNodes>& cells() const { return domain.mesh->cell_to_node; }
   Cell cell(std::size_t number) const { return {domain, number}; }
+  Points points(std::size_t cell) const { return {domain, cell}; }
   Face face(std::size_t number) const { return {domain, number}; }
 
   const Domain& domain;
@@ -235,6 +248,8 @@ class QuadraticElement {
     }
     OfCellNodes<geometry::Vec3> position_;
   };
+
+  using Points = Cell;
 
   class Face {
    public:
@@ -302,6 +317,7 @@ class QuadraticElement {
   explicit QuadraticElement(const Domain& on) : domain(on) {}
   const std::vector<OfCellNodes<LocalId>>& cells() const { return domain.quadratic->cell_to_node; }
   Cell cell(std::size_t number) const { return {domain, number}; }
+  Points points(std::size_t cell) const { return {domain, cell}; }
   Face face(std::size_t number) const { return {domain, number}; }
 
   const Domain& domain;

@@ -20,7 +20,7 @@ template <class Element>
 void add_matrix(const Element& element, const Problem& problem, std::span<const double> u, Mat matrix) {
   constexpr auto n = Element::n_nodes;
   for (std::size_t c = 0; c < element.cells().size(); ++c) {
-    const auto cell = element.cell(c);
+    const auto cell = element.points(c);
     std::array<double, n * n> block{};
     at_sources(problem, cell, u, [&](const auto& point, double value, double psi0) {
       const double amount = point.weight * problem.term.slope(value, psi0);
@@ -43,7 +43,7 @@ void add_matrix(const Element& element, const Problem& problem, std::span<const 
 void add_source(const Problem& problem, const std::vector<double>& u, std::vector<double>& to) {
   with_element(problem.domain, [&](const auto& element) {
     for (std::size_t c = 0; c < element.cells().size(); ++c) {
-      const auto cell = element.cell(c);
+      const auto cell = element.points(c);
       at_sources(problem, cell, u, [&](const auto& point, double value, double psi0) {
         const double amount = point.weight * problem.term.value(value, psi0);
         for (std::size_t k = 0; k < cell.nodes.size(); ++k) to[at(cell.nodes[k])] += amount * point.value[k];
@@ -62,7 +62,7 @@ void add_source_product(const Problem& problem, const std::vector<double>& u, st
                         std::vector<double>& to) {
   with_element(problem.domain, [&](const auto& element) {
     for (std::size_t c = 0; c < element.cells().size(); ++c) {
-      const auto cell = element.cell(c);
+      const auto cell = element.points(c);
       const auto of_w = at_nodes(cell.nodes, w);
       at_sources(problem, cell, u, [&](const auto& point, double value, double psi0) {
         const double amount = point.weight * problem.term.slope(value, psi0) * interpolated(point.value, of_w);

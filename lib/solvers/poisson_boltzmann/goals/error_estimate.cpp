@@ -119,18 +119,19 @@ namespace {
 /// above it near a plate of high potential.
 template <class Value>
 double nodal_excess(const Problem& problem, std::size_t number, std::span<const double> u, const Value& value) {
-  const LinearElement::Cell cell(problem.domain, number);
-  const auto of_u = cell.field(u), psi0 = cell.field(problem.conditions.psi0);
+  const LinearElement::Points cell(problem.domain, number);
+  const auto of_u = at_nodes(cell.nodes, u), psi0 = at_nodes<double>(cell.nodes, problem.conditions.psi0);
   double at_corners = 0, at_points = 0;
   for (std::size_t k = 0; k < 4; ++k) {
     std::array<double, 4> corner{};
     corner[k] = 1;
-    at_corners += value(of_u.value[k], psi0.value[k], corner) / 4;
+    at_corners += value(of_u[k], psi0[k], corner) / 4;
   }
   cell.at_points([&](const auto& point) {
-    at_points += point.weight * value(of_u.at(point), problem.split_potential(point.position.z), point.value);
+    at_points +=
+        point.weight * value(interpolated(point.value, of_u), problem.split_potential(point.position.z), point.value);
   });
-  return geometry::volume(problem.domain.points(number)) * at_corners - at_points;
+  return cell.volume * at_corners - at_points;
 }
 
 /// What lumping at the nodes makes of the charges of sites, weighted with the dual solution, less the integral over the

@@ -116,10 +116,10 @@ void add_open_walls(const Element& element, const State& state, std::span<const 
 template <class At, std::size_t N>
 void add_stress_derivative(const At& here, double weight, Vec3 gradient, double pressure_slope, Vec3 n, Vec3 direction,
                            std::array<double, N>& to) {
-  const double through = dot(gradient, n), along = dot(n, direction), forward = dot(gradient, direction);
-  for (std::size_t k = 0; k < N; ++k)
-    to[k] += weight * (dot(here.gradient[k], direction) * through + forward * dot(here.gradient[k], n) -
-                       along * (dot(gradient, here.gradient[k]) + pressure_slope * here.value[k]));
+  const double along = weight * dot(n, direction), source = along * pressure_slope;
+  const auto by_gradient =
+      weight * dot(gradient, n) * direction + weight * dot(gradient, direction) * n - along * gradient;
+  for (std::size_t k = 0; k < N; ++k) to[k] += dot(here.gradient[k], by_gradient) - source * here.value[k];
 }
 
 template <class Element>
