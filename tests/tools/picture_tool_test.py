@@ -223,6 +223,26 @@ def test_cells_are_chosen_by_a_field():
     assert not none.chosen.any() and none.pieces()[0][0].GetNumberOfCells() and not none.pieces()[1][0].GetNumberOfCells()
 
 
+def test_few_whole_numbers_have_colors_of_their_own_and_a_legend():
+    name = "regions.hdf"
+    shutil.copy(cubes()[0], name)
+    with h5py.File(name, "r+") as file:
+        x = file["VTKHDF/CellData/x"][:]
+        file["VTKHDF/CellData/region"] = np.select([x < 0.3, x < 0.6], [7, 2], 0).astype("i4")
+        file["VTKHDF/CellData/many"] = np.arange(len(x))
+        file["PAMR/regions/numbers"], file["PAMR/regions/names"] = np.array([7]), np.array([b"gas"])
+
+    image = picture(name, "--cut", "y=0.5", "--field", "region", "--size", "600x600", "--json", "r.json")
+
+    assert json.loads(pathlib.Path("r.json").read_text())["field"] == {"name": "region", "min": 0, "max": 7, "values": [0, 2, 7]}
+    left, right = image[:560, :300], image[:560, 300:]  # below is the legend
+    for color, where, elsewhere in (((90, 190, 150), left, right), ((240, 190, 90), right, left)):
+        assert near(where, color) > 5000 and near(elsewhere, color) == 0, color
+    for field, options in (("many", ()), ("region", ("--range", "0,7")), ("region", ("--map", "magma")), ("x", ())):
+        picture(name, "--cut", "y=0.5", "--field", field, "--size", "300x300", "--json", "r.json", *options)
+        assert "values" not in json.loads(pathlib.Path("r.json").read_text())["field"], (field, options)
+
+
 def test_titles_of_scales_fit_into_their_column():
     import page
     for title, lines in (("q, W/m^2", 1), ("density of the gas, 1/m^3", 3), ("temperature_translational", 2), ("x", 1)):

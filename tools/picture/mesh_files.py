@@ -38,6 +38,7 @@ class Mesh:
     level: np.ndarray = None             # of the rows of the cell fields
     length_unit: str = ""
     more_groups: dict = dataclasses.field(default_factory=dict)  # of patches in several: their names
+    region_names: dict = dataclasses.field(default_factory=dict)  # of values of the field `region`
 
     @property
     def groups(self):
@@ -140,6 +141,8 @@ def native_of(file, data):
     more["length_unit"] = text_of(unit)
     if "cell_to_cell" not in own:
         return with_boundary(file, points, cells, np.empty((0, 3), int), [], {}, **more)
+    if "regions/names" in own:
+        more["region_names"] = dict(zip(own["regions/numbers"][:].tolist(), map(text_of, own["regions/names"][:])))
     neighbors = own["cell_to_cell"][:]
     cell, slot = np.nonzero(neighbors < 0)
     faces = np.take_along_axis(cells[cell], FACE_TO_CORNER[slot], axis=1)

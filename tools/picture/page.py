@@ -39,7 +39,7 @@ class Coloring:
 
     def __init__(self, wish, subjects, bounds, is_log, name):
         self.patches = sorted({patch for s in subjects for patch in s.patches})
-        self.isolines, self.norm = (), None
+        self.isolines, self.norm, self.seen, self.classes = (), None, None, None
         if subjects[0].values is None:
             if wish.isolines or bounds or is_log:
                 raise Refused("--isolines, --range and --log: expected a field with numbers (--field), found none")
@@ -50,6 +50,12 @@ class Coloring:
         if not len(seen):
             raise Refused(f"--field {wish.field}: expected {'positive' if is_log else 'finite'} values to draw, found none")
         self.seen = float(seen.min()), float(seen.max())
+        has_scale = bounds or is_log or wish.isolines or wish.scale != 1 or name != palettes.MAPS[0]
+        if not has_scale and all(s.values.is_whole for s in subjects):
+            different = np.unique(seen)
+            if len(different) <= len(palettes.PATCH):
+                self.classes = different
+                return
         low, high = bounds or self.seen
         if is_log and low <= 0:
             raise Refused(f"--range: expected positive bounds with --log, found {low:g}")
@@ -74,6 +80,8 @@ class Coloring:
         return np.where(np.isnan(at), np.nan, np.clip(at, 0, 1))
 
     def bytes_of(self, numbers):
+        if self.classes is not None:
+            return palettes.of_patches(np.searchsorted(self.classes, numbers))
         at = self.position(numbers)
         colors = (self.map(np.nan_to_num(at))[:, :3] * 255).round().astype(np.uint8)
         colors[np.isnan(at)] = palettes.NOTHING

@@ -138,10 +138,16 @@ def title_of(o, subjects):
 
 def legend_of(o, subjects, coloring):
     """Names, face colors and edge colors; nothing where the picture needs none."""
+    import numpy as np
     import palettes
     if o.field == "patch":
         colors = [coloring.patch_color(name) for name in coloring.patches]
         return coloring.patches, colors, [palettes.INK] * len(colors)
+    if coloring.classes is not None:
+        colors = palettes.of_patches(np.arange(len(coloring.classes)))
+        known = {k: name for s in subjects for k, name in s.mesh.region_names.items()} if o.field == "region" else {}
+        names = [known.get(int(value), f"{o.title or o.field} {value:.0f}") for value in coloring.classes]
+        return names, colors, [palettes.INK] * len(colors)
     if o.field is not None:
         return [], [], []
     deepest = max(int(s.levels().max()) for s in subjects)
@@ -199,8 +205,10 @@ def make(o):
     report = {"picture": o.output, "width": o.size[0], "height": o.size[1], "meshes": [
         {"file": s.mesh.file, "cells": len(s.mesh.cells), "boundary_triangles": len(s.mesh.faces),
          "patches": s.mesh.patches} for s in subjects]}
-    if coloring.norm is not None:
+    if coloring.seen is not None:
         report["field"] = {"name": o.field, "min": coloring.seen[0], "max": coloring.seen[1]}
+    if coloring.classes is not None:
+        report["field"]["values"] = [int(value) for value in coloring.classes]
     return picture.getvalue(), report
 
 

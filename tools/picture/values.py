@@ -15,6 +15,7 @@ class Values:
     numbers: np.ndarray
     on_nodes: bool
     unit: str = ""
+    is_whole: bool = False  # whole numbers of the cells: of regions, materials, levels
 
 
 def volumes(mesh):
@@ -69,9 +70,10 @@ def values_of(mesh, wanted):
     unit = {"1": ""}.get(mesh.units.get(name, ""), mesh.units.get(name, ""))
     for fields, on_nodes in ((mesh.cell_fields, False), (mesh.node_fields, True)):
         if name in fields:
-            return Values(component_of(mesh, name, fields[name].astype(float), component), on_nodes, unit)
+            is_whole = not on_nodes and np.issubdtype(fields[name].dtype, np.integer)
+            return Values(component_of(mesh, name, fields[name].astype(float), component), on_nodes, unit, is_whole)
     if name == "level" and mesh.level is not None:
-        return Values(mesh.level.astype(float), False)
+        return Values(mesh.level.astype(float), False, is_whole=True)
     if name in COMPUTED:
         return Values(COMPUTED[name](mesh), False, mesh.length_unit if name == "size" else "")
     raise Refused(f"{mesh.file}: unknown field '{name}'; there are {', '.join(known_names(mesh))}")
