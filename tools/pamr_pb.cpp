@@ -19,6 +19,7 @@
 #include "pb/next_level.hpp"
 #include "solvers/poisson_boltzmann/fem/initial_guess.hpp"
 #include "solvers/poisson_boltzmann/fem/preconditioner.hpp"
+#include "solvers/poisson_boltzmann/fem/sheets.hpp"
 #include "solvers/poisson_boltzmann/fem/spread_cells.hpp"
 #include "solvers/poisson_boltzmann/problem/case_names.hpp"
 #include "solvers/poisson_boltzmann/report/electrode_file.hpp"
@@ -229,7 +230,7 @@ std::pair<mesh::DistMesh, pb::Case> read_inputs(cli::Session& session, const Opt
   auto mesh = assemble::assemble(
       comm, io::read_native(comm, o.mesh, {.build_surfaces = needs_surfaces, .remark = session.remarks()}));
   validate::require_valid(comm, mesh, o.mesh);
-  auto input = pb::resolve_names(stated, mesh.info.patches, o.case_file);
+  auto input = pb::with_sheets(comm, pb::resolve_names(stated, mesh.info.patches, o.case_file), mesh, o.case_file);
   return {std::move(mesh), std::move(input)};
 }
 

@@ -5,7 +5,9 @@
 #include <string>
 
 #include "pamr/assemble/assemble.hpp"
+#include "solvers/poisson_boltzmann/fem/sheets.hpp"
 #include "solvers/poisson_boltzmann/goals/analysis.hpp"
+#include "solvers/poisson_boltzmann/problem/case_names.hpp"
 #include "support/meshes.hpp"
 
 namespace pamr::poisson_boltzmann {
@@ -14,8 +16,10 @@ namespace pamr::poisson_boltzmann {
 class Solved {
  public:
   Solved(const par::Comm& comm, mesh::BlockMesh block, const std::string& case_text)
-      : input(read_case(case_text, "case")),
-        mesh(assemble::assemble(comm, std::move(block))),
+      : Solved(comm, assemble::assemble(comm, std::move(block)), case_text) {}
+  Solved(const par::Comm& comm, mesh::DistMesh given, const std::string& case_text)
+      : mesh(std::move(given)),
+        input(with_sheets(comm, resolve_names(read_case(case_text, "case"), mesh.info.patches, "case"), mesh, "case")),
         domain(make_domain(comm, mesh, input, "case")),
         conditions(make_conditions(comm, domain, input)),
         problem(domain, input, conditions),
@@ -30,8 +34,8 @@ class Solved {
 
   Analysis analysis(const par::Comm& comm) { return analyze(comm, problem, system, solution, 1e8); }
 
-  Case input;
   mesh::DistMesh mesh;
+  Case input;
   Domain domain;
   Conditions conditions;
   Problem problem;

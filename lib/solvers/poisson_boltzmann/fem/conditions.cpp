@@ -180,7 +180,7 @@ double far_field_coefficient(const std::vector<Sphere>& spheres, Vec3 point, Vec
 double given_flux(const Case& input, const PlateProfile& profile, const Boundary& b, const PlacedFacePoint& point) {
   const double z = point.position.z, slope = point.normal.z * profile.slope(z);
   if (b.condition != Condition::far_field)
-    return (b.condition == Condition::charge ? b.value : 0) - (input.split ? slope : 0);
+    return (b.condition == Condition::charge ? b.charge_at(0) : 0) - (input.split ? slope : 0);
   if (input.split) return 0;
   return far_field_coefficient(input.spheres, point.middle, point.normal) * profile.potential(z) + slope;
 }

@@ -116,7 +116,8 @@ CubicFunctions number_cubic(const par::Comm& comm, const Domain& domain) {
   std::vector<std::array<LocalId, 4>> face_of_slot;
   const auto n_functions = number_faces(mesh, 2 * n_nodes - n_corners, face_of_slot);
   const auto edge_of = [&](LocalId middle) { return n_nodes + middle - n_corners; };
-  const auto n_outer = comm.sum(std::ssize(domain.faces));
+  const auto n_outer = comm.sum(std::count_if(domain.faces.begin(), domain.faces.end(),
+                                              [](const BoundaryFace& face) { return !face.is_inside; }));
   const auto n_global =
       2 * elements.n_global_nodes - mesh.info.n_global_nodes + (4 * mesh.info.n_global_cells + n_outer) / 2;
   CubicFunctions result{

@@ -16,6 +16,7 @@
 #include "pamr/par/reproducible_sum.hpp"
 #include "solvers/poisson_boltzmann/fem/elements.hpp"
 #include "solvers/poisson_boltzmann/fem/preconditioner.hpp"
+#include "solvers/poisson_boltzmann/fem/sheets.hpp"
 
 namespace pamr::poisson_boltzmann {
 
@@ -23,10 +24,8 @@ using geometry::Vec3;
 
 namespace {
 
-/// Collective.
-void require_patches(const par::Comm& comm, const mesh::DistMesh& mesh, const Case& problem, const std::string& where) {
+void require_patches(const mesh::DistMesh& mesh, const Case& problem, const std::string& where) {
   const auto& patches = mesh.info.patches;
-  const auto inside = mesh::patches_inside_alone(comm, mesh);
   if (patches.size() > 64) throw Error(fmt::format("expected a mesh of at most 64 patches, found {}", patches.size()));
   const auto exists = [&](const std::string& name) {
     for (const auto& patch : patches)
@@ -37,12 +36,6 @@ void require_patches(const par::Comm& comm, const mesh::DistMesh& mesh, const Ca
     if (!exists(b.patch))
       throw Error(fmt::format("{}: expected [boundary.X] for a patch of the mesh ({}), found \"{}\"", where,
                               mesh::list_patches(patches), b.patch));
-  for (std::size_t p = 0; p < patches.size(); ++p)
-    if (inside[p] && problem.find_boundary(patches[p].name) != nullptr)
-      throw Error(
-          fmt::format("{}: expected a condition at the boundary, found \"{}\", whose faces lie inside the liquid: "
-                      "these can have none yet",
-                      where, patches[p].name));
   const auto& midplane = problem.force.midplane;
   if (!midplane.empty() && !exists(midplane))
     throw Error(fmt::format("{}: expected a patch of the mesh ({}), found \"{}\"", where, mesh::list_patches(patches),
@@ -89,16 +82,19 @@ void require_bodies(const par::Comm& comm, const Domain& domain, const Case& pro
 }
 
 /// `slot_of_face` gets the corner of its cell that lies opposite each face.
-std::vector<BoundaryFace> find_faces(const mesh::DistMesh& mesh, const std::vector<Vec3>& point,
+std::vector<BoundaryFace> find_faces(const mesh::DistMesh& mesh, const Case& problem, const std::vector<Vec3>& point,
                                      std::vector<int>& slot_of_face) {
+  const mesh::InnerPatches inner(mesh);
+  const auto is_sheet = sheets_of(problem, mesh.info.patches);
   std::vector<BoundaryFace> faces;
   for (LocalId c = 0; c < mesh.n_cells(); ++c)
     for (std::size_t slot = 0; slot < 4; ++slot) {
       const auto neighbor = mesh.cell_to_cell[at(c)][slot];
-      if (neighbor >= 0) continue;
       BoundaryFace face;
       face.cell = c;
-      face.patch = mesh::slot_to_patch(neighbor);
+      face.is_inside = neighbor >= 0;
+      face.patch = inner.of_any({c, static_cast<int>(slot)});
+      if (face.is_inside && (face.patch < 0 || !is_sheet[at(face.patch)])) continue;
       std::array<Vec3, 3> p;
       for (std::size_t k = 0; k < 3; ++k) {
         face.node[k] = mesh.cell_to_node[at(c)][at(mesh::tet::face_to_corner[slot][k])];
@@ -117,13 +113,14 @@ template <class Element>
 std::vector<PatchShape> measure(const par::Comm& comm, const Element& element) {
   const auto n_patches = element.domain.mesh->info.patches.size();
   std::vector<par::ExactSum> area(n_patches);
-  std::vector<std::int64_t> count(n_patches, 0), off_axis(3 * n_patches, 0);
+  std::vector<std::int64_t> count(n_patches, 0), inside(n_patches, 0), off_axis(3 * n_patches, 0);
   std::vector<double> highest(3 * n_patches, -std::numeric_limits<double>::infinity());
   for (std::size_t f = 0; f < element.domain.faces.size(); ++f) {
     const auto& face = element.domain.faces[f];
     const auto p = at(face.patch);
-    element.face(f).at_areas([&](double of_point) { area[p].add(of_point); });
+    element.face(f).at_areas([&](double of_point) { area[p].add(face.weight() * of_point); });
     ++count[p];
+    inside[p] += face.is_inside ? 1 : 0;
     for (int axis = 0; axis < 3; ++axis)
       if (std::abs(std::abs(face.normal[at(axis)]) - 1) > 1e-9) ++off_axis[3 * p + at(axis)];
     for (std::size_t axis = 0; axis < 3; ++axis)
@@ -131,11 +128,13 @@ std::vector<PatchShape> measure(const par::Comm& comm, const Element& element) {
   }
   const auto areas = par::reproducible_sums(comm, area);
   comm.sum_in_place(count);
+  comm.sum_in_place(inside);
   comm.sum_in_place(off_axis);
   std::vector<PatchShape> patches(n_patches);
   for (std::size_t p = 0; p < n_patches; ++p) {
     patches[p].area = areas[p];
     patches[p].n_faces = count[p];
+    patches[p].has_inside = inside[p] > 0;
     for (int axis = 0; axis < 3; ++axis)
       if (count[p] > 0 && off_axis[3 * p + at(axis)] == 0) patches[p].axis = axis;
     if (patches[p].axis >= 0) patches[p].level = comm.max(highest[3 * p + at(patches[p].axis)]);
@@ -152,7 +151,7 @@ int Domain::patch_number(std::string_view name) const {
 }
 
 Domain make_domain(const par::Comm& comm, const mesh::DistMesh& mesh, const Case& problem, const std::string& where) {
-  require_patches(comm, mesh, problem, where);
+  require_patches(mesh, problem, where);
   const auto scale = debye_lengths_in(mesh.info.length_unit, problem.electrolyte, where);
   if (!scale)
     throw Error(fmt::format("expected a mesh in Debye lengths (unit \"1\"), m, um or nm, found the length unit \"{}\"",
@@ -167,7 +166,7 @@ Domain make_domain(const par::Comm& comm, const mesh::DistMesh& mesh, const Case
   }
   domain.nodes.sum_copies(comm, domain.node_volume);
   std::vector<int> slot_of_face;
-  domain.faces = find_faces(mesh, domain.point, slot_of_face);
+  domain.faces = find_faces(mesh, problem, domain.point, slot_of_face);
   if (problem.solver.order == 2) make_quadratic(comm, slot_of_face, domain);
   domain.node_volume.resize(domain.point.size(), 0);
   domain.node_patches.assign(domain.point.size(), 0);
@@ -178,6 +177,7 @@ Domain make_domain(const par::Comm& comm, const mesh::DistMesh& mesh, const Case
                    [](std::uint64_t& mine, std::uint64_t theirs) { mine |= theirs; });
   require_bodies(comm, domain, problem, where);
   domain.patches = with_element(domain, [&](const auto& element) { return measure(comm, element); });
+  add_sheet_sides(comm, domain);
   for (std::size_t p = 0; p < domain.patches.size(); ++p)
     if (domain.patches[p].n_faces > 0 && problem.find_boundary(mesh.info.patches[p].name) == nullptr)
       throw Error(

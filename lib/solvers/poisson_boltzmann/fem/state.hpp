@@ -19,7 +19,7 @@ struct State {
   std::span<const double> u;                      ///< n_nodes
   std::span<const double> reaction;               ///< n_nodes
   std::span<const geometry::Vec3> cell_gradient;  ///< n_cells: of u
-  std::span<const geometry::Vec3> recovered;      ///< n_nodes: gradient of u
+  std::span<const geometry::Vec3> recovered;      ///< gradient of u, in the order of `recover`
   std::span<const Mirrors> mirrors;               ///< n_patches
   const CubicCorrection* cubic = nullptr;         ///< of second order: its error
 };

@@ -39,8 +39,18 @@ std::vector<Vec3> recover(const par::Comm& comm, const Domain& domain, std::span
   std::vector<double> weight(cells.size(), 1);
   if (recovery == Recovery::volume_weighted)
     for (std::size_t c = 0; c < cells.size(); ++c) weight[c] = geometry::volume(domain.points(c));
-  return mark::nodal_means<Vec3>(par::Exchange(comm, domain.nodes.shared()), domain.point.size(), cells, weight,
-                                 cell_gradient);
+  auto result = mark::nodal_means<Vec3>(par::Exchange(comm, domain.nodes.shared()), domain.point.size(), cells, weight,
+                                        cell_gradient);
+  if (!domain.sides) return result;
+  const auto n_nodes = domain.mesh->n_nodes();
+  const auto of_sides =
+      mark::nodal_means<Vec3>(par::Exchange(comm, domain.sides->shared), domain.sides->n_sides, [&](const auto& add) {
+        for (std::size_t c = 0; c < cells.size(); ++c)
+          for (const auto node : domain.recovery_nodes(c))
+            if (node >= n_nodes) add(node - n_nodes, weight[c], cell_gradient[c]);
+      });
+  result.insert(result.end(), of_sides.begin(), of_sides.end());
+  return result;
 }
 
 std::vector<Vec3> recover(const par::Comm& comm, const Domain& domain, std::span<const double> u, Recovery recovery) {
@@ -76,7 +86,8 @@ std::vector<double> squared_errors(const Domain& domain, std::span<const Vec3> c
   const auto& cells = domain.mesh->cell_to_node;
   std::vector<double> result(cells.size());
   for (std::size_t c = 0; c < cells.size(); ++c)
-    result[c] = squared_error(cells[c], geometry::volume(domain.points(c)), cell_gradient[c], recovered);
+    result[c] =
+        squared_error(domain.recovery_nodes(c), geometry::volume(domain.points(c)), cell_gradient[c], recovered);
   return result;
 }
 
@@ -99,7 +110,7 @@ Estimate estimate_error(const par::Comm& comm, const Problem& problem, std::span
     const double volume = geometry::volume(p), h = longest_edge(p) / std::numbers::pi;
     double source = 0;
     for (const auto node : cells[c]) source += squared_source[at(node)] / 4;
-    result.squared[c] = squared_error(cells[c], volume, cell_gradient[c], recovered);
+    result.squared[c] = squared_error(domain.recovery_nodes(c), volume, cell_gradient[c], recovered);
     result.residual_squared[c] = h * h * volume * source;
     sums[0].add(result.squared[c]);
     sums[1].add(result.residual_squared[c]);
@@ -168,8 +179,8 @@ GoalError goal_error(const par::Comm& comm, const Problem& problem, const GoalIn
   std::array<par::ExactSum, 1> sum;
   for (std::size_t c = 0; c < cells.size(); ++c) {
     const double volume = geometry::volume(domain.points(c));
-    const auto error_u = differences(cells[c], in.recovered_u, in.gradient_u[c]);
-    const auto error_w = differences(cells[c], in.recovered_w, in.gradient_w[c]);
+    const auto error_u = differences(domain.recovery_nodes(c), in.recovered_u, in.gradient_u[c]);
+    const auto error_w = differences(domain.recovery_nodes(c), in.recovered_w, in.gradient_w[c]);
     double correction = mark::integral_of_product(volume, error_u, error_w);
     result.share[c] = std::sqrt(mark::integral_of_product(volume, error_u, error_u) *
                                 mark::integral_of_product(volume, error_w, error_w));

@@ -12,8 +12,9 @@ namespace pamr::poisson_boltzmann {
 std::vector<geometry::Vec3> cell_gradients(const Domain& domain, std::span<const double> value);
 
 /// Gradient at the nodes: the mean of the gradients of the cells around a node, weighted with their volumes or plain
-/// (as the paper says it). On the boundary the mean is one-sided. `mark::nodal_means`. Collective: two
-/// exchanges.
+/// (as the paper says it). On the boundary the mean is one-sided. After the nodes come the sides of sheets
+/// (`Domain::sides`), with the mean over the cells of each side. `mark::nodal_means`. Collective: two exchanges, four
+/// where there are sheets.
 std::vector<geometry::Vec3> recover(const par::Comm& comm, const Domain& domain,
                                     std::span<const geometry::Vec3> cell_gradient, Recovery recovery);
 

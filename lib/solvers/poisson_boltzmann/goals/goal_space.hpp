@@ -56,7 +56,7 @@ class GoalSpace<LinearElement> {
     for (std::size_t k = 0; k < 3; ++k) value_[pamr::at(nodes[k])] += amount * point.value[k];
   }
   ErrorAt error(std::size_t cell, const At& here) const {
-    return {interpolated(here.value, state_.problem.domain.mesh->cell_to_node[cell], state_.recovered) -
+    return {interpolated(here.value, state_.problem.domain.recovery_nodes(cell), state_.recovered) -
             state_.cell_gradient[cell]};
   }
   double error_on_face(std::size_t, std::size_t) const { return 0; }

@@ -18,7 +18,7 @@ std::vector<double> potentials_of_charges(const Problem& problem) {
     const auto* b = problem.input.find_boundary(patch.name);
     auto& potential = result.emplace_back(0);
     if (b == nullptr) continue;
-    if (b->condition == Condition::charge) potential = problem.term.potential_of_charge(b->value);
+    if (b->condition == Condition::charge) potential = problem.term.potential_of_charge(b->charge_at(0));
     if (b->condition == Condition::regulated) potential = b->site.flat_wall_potential(problem.term);
   }
   return result;
@@ -51,8 +51,8 @@ Layers find_layers(const par::Comm& comm, const State& state, double max_cells) 
     const double thickness = thickness_at(state, face, of_charge[p]);
     const double height = 3 * geometry::volume(domain.points(at(face.cell))) / face.area;
     const double ratio = height / thickness;
-    sums[3 * p].add(face.area * height * height);
-    sums[3 * p + 1].add(face.area * ratio * ratio);
+    sums[3 * p].add(face.weight() * face.area * height * height);
+    sums[3 * p + 1].add(face.weight() * face.area * ratio * ratio);
     sums[3 * p + 2].add(face.area / (thickness * thickness));
     thinnest[p] = std::min(thinnest[p], thickness);
     auto& cell = result.cell_ratio[at(face.cell)];

@@ -56,6 +56,8 @@ void at_curved_walls(const Element& element, const State& state, const Goal& goa
     const auto& b = problem.boundary_of(domain.faces[f]);
     const auto* surface = domain.mesh->info.surface_of(patch);
     if (!is_curved_wall(b, surface)) continue;
+    // nodal charges of first order do not tell the sides of a sheet apart, given ones those of second
+    if (domain.faces[f].is_inside && (Element::has_lumped_walls || b.holds_charge())) continue;
     const auto face = element.face(f);
     const auto traces_of_point = traces_of(face, b);
     const double size = std::sqrt(domain.faces[f].area);

@@ -24,6 +24,7 @@ struct FaceTotals {
   Vec3 raw, recovered, reaction;
   double charge = 0, potential = 0, area = 0;
   bool is_fixed = true;  ///< the potential of all is given
+  bool has_inside = false;
   Layer layer{.is_known = true};
 
   void add(const FaceTotals& other) {
@@ -34,6 +35,7 @@ struct FaceTotals {
     potential += other.potential;
     area += other.area;
     is_fixed = is_fixed && other.is_fixed;
+    has_inside = has_inside || other.has_inside;
     const bool is_known = layer.is_known && other.layer.is_known;
     const bool is_lost = layer.is_lost || other.layer.is_lost;
     const double n_cells = layer.n_cells + other.layer.n_cells;
@@ -72,7 +74,7 @@ void add_face(const Element& element, const State& state, std::size_t f, FaceSum
       reaction += stress_of(-density * n - base, base);
     }
     charge += point.area * density;
-    potential += point.area * (psi0 + u);
+    potential += domain.faces[f].weight() * point.area * (psi0 + u);
   });
   sums.raw.add(raw);
   sums.recovered.add(recovered);
@@ -107,6 +109,7 @@ std::vector<FaceTotals> totals_of_patches(const Element& element, const par::Com
     totals.layer = layers.patches[p];
     const auto* b = state.problem.input.find_boundary(patches[p].name);
     totals.is_fixed = Element::has_lumped_walls && b != nullptr && b->condition == Condition::potential;
+    totals.has_inside = domain.patches[p].has_inside;
   }
   return result;
 }
@@ -127,6 +130,7 @@ PatchResult result_of(const std::string& name, const FaceTotals& totals, const M
   }
   if (electrode == nullptr || totals.layer.is_lost) return result;
   result.surface = mirrors.complete(totals.raw);
+  if (totals.has_inside) return result;  // means at nodes mix the two sides
   result.surface_recovered = mirrors.complete(totals.recovered);
   if (totals.is_fixed) result.surface_reaction = mirrors.complete(totals.reaction);
   return result;

@@ -32,7 +32,11 @@ std::vector<Boundary> resolved_boundary(const std::vector<Boundary>& stated, con
   std::vector<Boundary> result;
   for (std::size_t i = 0; i < stated.size(); ++i) {
     if (mesh::find_patches(patches, stated[i].patch).empty()) result.push_back(stated[i]);
-    for (const auto& patch : found[i]) result.emplace_back(stated[i]).patch = patch;
+    for (const auto& patch : found[i]) {
+      auto& b = result.emplace_back(stated[i]);
+      b.patch = patch;
+      if (is_name_pattern(stated[i].patch)) b.pattern = stated[i].patch;
+    }
   }
   return result;
 }

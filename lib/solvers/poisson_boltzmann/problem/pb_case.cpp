@@ -459,8 +459,11 @@ std::vector<std::string> describe(const Case& problem) {
       value = fmt::format(", {} sites {}, alone a flat wall of them has {}", b.site.density < 0 ? "acid" : "basic",
                           with_unit(std::abs(b.site.density), units.site_density, "/nm^2"),
                           with_unit(b.site.flat_wall_potential(problem.term()), units.potential, "V"));
-    lines.push_back(fmt::format("patch {}: {}{}", b.patch, name_of(b.condition), value));
+    lines.push_back(
+        fmt::format("patch {}{}: {}{}", b.patch, b.is_inside ? " (a sheet inside)" : "", name_of(b.condition), value));
   }
+  for (const auto& patch : problem.open_inside)
+    lines.push_back(fmt::format("patch {}: no condition on its faces inside, the liquid goes on through them", patch));
   return lines;
 }
 

@@ -18,7 +18,8 @@ namespace pamr::poisson_boltzmann {
 /// What holds on one patch of the boundary. n points out of the liquid.
 enum class Condition {
   potential,      ///< psi = value
-  charge,         ///< dpsi/dn = value: the charge density of the body behind it, sigma = -dpsi/dn out of the body
+  charge,         ///< dpsi/dn = value: the charge density of the body behind it, sigma = -dpsi/dn out of the body; of a
+                  ///< sheet what dpsi/dn out of the liquid adds up to on both sides
   regulated,      ///< the same with a charge density that follows from psi: `Boundary::site`
   symmetry,       ///< dpsi/dn = 0: a mirror
   plate_profile,  ///< psi = psi0(z) of the plate, 0 without one
@@ -30,7 +31,9 @@ const char* name_of(Condition condition);
 bool fixes_potential(Condition condition);
 
 struct Boundary {
-  std::string patch;  ///< a name, or a pattern of names until `resolve_names` (base/name_pattern.hpp)
+  std::string patch;       ///< a name, or a pattern of names until `resolve_names` (base/name_pattern.hpp)
+  std::string pattern;     ///< the pattern that stood for the patch; empty where its name or that of a group did
+  bool is_inside = false;  ///< `patch` is a sheet: all of its faces lie inside (`with_sheets`)
   Condition condition = Condition::symmetry;
   double value = 0;  ///< dimensionless
   SiteCharge site;   ///< of `regulated`
@@ -39,9 +42,11 @@ struct Boundary {
   bool holds_charge() const {
     return condition == Condition::regulated || (condition == Condition::charge && value != 0);
   }
-  /// That density at a potential, and its derivative; 0 where there is none.
+  /// That density at a potential, and its derivative; 0 where there is none. Of a sheet that of one of its sides, half
+  /// of what both hold together.
   double charge_at(double psi) const {
-    return condition == Condition::regulated ? site.value(psi) : condition == Condition::charge ? value : 0;
+    if (condition == Condition::regulated) return site.value(psi);
+    return condition != Condition::charge ? 0 : is_inside ? 0.5 * value : value;
   }
   double charge_slope_at(double psi) const { return condition == Condition::regulated ? site.slope(psi) : 0; }
 };
@@ -107,6 +112,7 @@ struct Case {
   bool manufactured = false;  ///< with the source that makes psi* = 2 sin x cos y exp(-z) the solution
   bool split = false;         ///< solve for u = psi - psi0(z)
   std::vector<Boundary> boundary;
+  std::vector<std::string> open_inside;  ///< patches inside, or in part, that hold nothing there (`with_sheets`)
   std::vector<Sphere> spheres;
   std::optional<Plate> plate;
   std::vector<Body> bodies;  ///< as `[[body]]` states them

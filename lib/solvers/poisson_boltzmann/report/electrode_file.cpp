@@ -44,6 +44,7 @@ void write_electrodes(const par::Comm& comm, const std::filesystem::path& file, 
   io::SurfaceField patch{.name = "patch", .is_integer = true};
   io::SurfaceTriangles triangles{.all_cells = mesh.info.cell_ids()};
   for (const auto& face : problem.domain.faces) {
+    if (face.is_inside) continue;
     triangles.cell.push_back(mesh.cell_global[at(face.cell)]);
     auto& corner = triangles.corner.emplace_back();
     for (std::size_t k = 0; k < 3; ++k) {

@@ -56,6 +56,11 @@ std::optional<double> charged_share(const Case& input, const PatchResult& patch)
   return *patch.charge_density / b->site.density;
 }
 
+/// A patch inside without a condition has no results.
+bool is_open(const Case& input, const PatchResult& patch) {
+  return patch.electrode == nullptr && input.find_boundary(patch.name) == nullptr;
+}
+
 void add_patch(const Case& input, const Analysis& analysis, const PatchResult& patch, json& report) {
   const auto units = units_of(input.electrolyte);
   auto& force = report["forces"][patch.name];
@@ -134,7 +139,8 @@ json report_of(const Domain& domain, const Case& input, const Solution& solution
                                      {"residual", step.residual},
                                      {"largest_change", step.largest_change},
                                      {"linear_iterations", step.linear_iterations}});
-  for (const auto& patch : analysis.patches) add_patch(input, analysis, patch, report);
+  for (const auto& patch : analysis.patches)
+    if (!is_open(input, patch)) add_patch(input, analysis, patch, report);
   const double norm = std::sqrt(estimate.norm_squared);
   report["error_estimate"] = {{"recovered", std::sqrt(estimate.total_squared)},
                               {"relative", norm > 0 ? std::sqrt(estimate.total_squared) / norm : 0.0},
@@ -224,7 +230,8 @@ void describe_patch(const Case& input, const Analysis& analysis, const PatchResu
 
 std::vector<std::string> describe_results(const Case& input, const Analysis& analysis) {
   std::vector<std::string> lines;
-  for (const auto& patch : analysis.patches) describe_patch(input, analysis, patch, lines);
+  for (const auto& patch : analysis.patches)
+    if (!is_open(input, patch)) describe_patch(input, analysis, patch, lines);
   if (!analysis.no_midplane.empty()) lines.push_back("mid-plane: " + analysis.no_midplane);
   const auto& estimate = analysis.estimate;
   if (analysis.energy)
