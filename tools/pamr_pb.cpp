@@ -102,8 +102,10 @@ nlohmann::json print_case(const cli::Session& session, const pb::Problem& proble
                       counted(report.straightening.n_edges, "edge is", "edges are"), report.max_off_surface));
   }
   if (problem.conditions.n_contradictions > 0)
-    session.warn(fmt::format("{} on patches with different potentials; the first of them in the mesh decides",
-                             counted(problem.conditions.n_contradictions, "node lies", "nodes lie")));
+    session.warn(
+        fmt::format("{} on patches with different potentials; the first of them in the mesh decides, and their "
+                    "charges and the energy grow with each refinement",
+                    counted(problem.conditions.n_contradictions, "node lies", "nodes lie")));
   return {{"matrix_entries", n_entries}, {"bytes_a_rank", bytes}};
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solvers/poisson_boltzmann/fem/solve.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -197,6 +198,33 @@ TEST(MakeConditions, CountsNodesWhereGivenPotentialsContradictEachOther) {
   Solved solved(comm, test::kuhn_cube(comm, 2), cube_boundary(potential(1), "zmin", potential(2)));
 
   EXPECT_EQ(solved.conditions.n_contradictions, 8);  // the rim of the bottom, 3 x 3 nodes without its middle
+  const auto& patches = solved.domain.mesh->info.patches;
+  for (std::size_t p = 0; p < patches.size(); ++p)
+    EXPECT_EQ(solved.conditions.contradictions_on[p], patches[p].name == "zmin"   ? 8
+                                                      : patches[p].name == "zmax" ? 0
+                                                                                  : 3)
+        << patches[p].name;
+}
+
+TEST(ErrorBars, AreWithheldWhereThePotentialJumps) {
+  par::Comm comm(MPI_COMM_WORLD);
+  // The charges of the walls that meet grow with each refinement, as the energy does; that of the third has a limit.
+  const auto bar_of = [&](const std::string& patch, int order) {
+    auto walls = cube_boundary(mirrors, "zmin", potential(2));
+    for (const std::string other : {"xmin", "zmax"})
+      walls.replace(walls.find("[boundary." + other + "]\n" + mirrors), 16 + mirrors.size(),
+                    "[boundary." + other + "]\n" + potential(1));
+    Solved solved(comm, test::kuhn_cube(comm, 4),
+                  "[solver]\norder = " + std::to_string(order) +
+                      "\n[estimator]\ngoals = [\"charge\", \"energy\"]\ngoal_patch = \"" + patch + "\"\n" + walls);
+    const auto goals = solved.analysis(comm).goals;
+    EXPECT_THAT(goals.at(1).no_error_bar, testing::HasSubstr("infinite")) << "energy";
+    return goals.at(0).no_error_bar;
+  };
+  for (const int order : {1, 2})
+    for (const std::string patch : {"zmin", "xmin"})
+      EXPECT_THAT(bar_of(patch, order), testing::HasSubstr("infinite: patch " + patch)) << order;
+  EXPECT_EQ(bar_of("zmax", 2), "");
 }
 
 TEST(Harmonic, IsLinearBetweenFlatWallsAndLeavesTheSystemAsItWas) {

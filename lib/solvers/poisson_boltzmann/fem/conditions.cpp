@@ -78,7 +78,7 @@ class Builder {
     result_.fixed.assign(n, 0);
     result_.value.assign(n, 0);
     result_.deciding_patch.assign(n, -1);
-    std::int64_t n_contradictions = 0;
+    std::vector<std::int64_t> contradictions(boundary_.size() + 1, 0);  // on each patch, and in all
     for (std::size_t i = 0; i < n; ++i) {
       int best = nobody;
       double low = std::numeric_limits<double>::infinity(), high = -low;
@@ -95,10 +95,16 @@ class Builder {
       result_.fixed[i] = 1;
       result_.deciding_patch[i] = best % 1000;
       result_.value[i] = fixed_value(best % 1000, i);
-      if (high - low > 1e-9 * std::max({1.0, std::abs(low), std::abs(high)}) && domain_.nodes.is_owned(i))
-        ++n_contradictions;
+      if (high - low > 1e-9 * std::max({1.0, std::abs(low), std::abs(high)}) && domain_.nodes.is_owned(i)) {
+        ++contradictions.back();
+        for (std::size_t p = 0; p < boundary_.size(); ++p)
+          contradictions[p] += (domain_.node_patches[i] >> p & 1U) != 0 ? 1 : 0;
+      }
     }
-    result_.n_contradictions = comm.sum(n_contradictions);
+    comm.sum_in_place(contradictions);
+    result_.n_contradictions = contradictions.back();
+    contradictions.pop_back();
+    result_.contradictions_on = std::move(contradictions);
   }
 
   template <class Element>

@@ -20,6 +20,7 @@ struct Conditions {
   std::vector<double> fixed_area;   ///< a third of the faces of fixed patches around the node; 0 of second order
   /// Nodes where patches meet whose given potentials differ; the first such pair of patches by number.
   std::int64_t n_contradictions = 0;
+  std::vector<std::int64_t> contradictions_on;  ///< how many of these nodes lie on each patch of the mesh
 };
 
 /// psi* = 2 sin x cos y exp(-z), for tests.

@@ -59,6 +59,23 @@ std::string why_not_with_sheets(const Problem& problem, const std::vector<Electr
   return "";
 }
 
+/// The gradient is as the reciprocal of the distance to a line where the potential jumps: charges of the patches that meet
+/// there, the stress on them and the energy have no limit as cells shrink.
+std::string why_not_with_jumps(const Problem& problem, const std::vector<Electrode>& electrodes, const Goal& goal) {
+  const auto& patches = problem.domain.mesh->info.patches;
+  const auto body =
+      std::find_if(electrodes.begin(), electrodes.end(), [&](const Electrode& e) { return e.name == goal.body; });
+  for (std::size_t p = 0; p < patches.size(); ++p) {
+    if (problem.conditions.contradictions_on[p] == 0) continue;
+    const bool is_own = goal.kind == Goal::Kind::energy ||
+                        (goal.kind == Goal::Kind::midplane && patches[p].name == problem.input.force.midplane) ||
+                        (body != electrodes.end() && body->has(static_cast<int>(p)));
+    if (is_own)
+      return fmt::format("the exact value is infinite: patch {} meets a different potential", patches[p].name);
+  }
+  return "";
+}
+
 std::string why_not_of_second_order(const Problem& problem, const std::vector<bool>& has_facets) {
   const auto& info = problem.domain.mesh->info;
   for (std::size_t p = 0; p < info.patches.size(); ++p)
@@ -146,6 +163,8 @@ std::vector<bool> find_facets(const par::Comm& comm, const Problem& problem) {
 
 std::string why_no_error_bar(const Problem& problem, const std::vector<Electrode>& electrodes, const Layers& layers,
                              const std::vector<bool>& has_facets, const Goal& goal) {
+  const auto of_jumps = why_not_with_jumps(problem, electrodes, goal);
+  if (!of_jumps.empty()) return of_jumps;
   const auto of_sheets = why_not_with_sheets(problem, electrodes, goal);
   if (!of_sheets.empty()) return of_sheets;
   return problem.domain.quadratic ? why_not_of_second_order(problem, has_facets)

@@ -19,6 +19,7 @@ inline constexpr double largest_ratio_of_charge_bar = 0.2;
 std::vector<bool> find_facets(const par::Comm& comm, const Problem& problem);
 
 /// Why the error bar of a goal means nothing, for the user; empty if it means something. Local.
+/// - The potential jumps where patches meet, and the goal has no limit.
 /// - Second order: a patch is one of `has_facets`.
 /// - First order: the cells are too high for a layer, or a force of the volume form is computed with Gauss points.
 std::string why_no_error_bar(const Problem& problem, const std::vector<Electrode>& electrodes, const Layers& layers,
