@@ -262,7 +262,7 @@ Does `pamr-dsmc` give the flows in tubes, slits and vessels that are known, with
   delta is height times pressure over viscosity and sqrt(2 k T / m), the reduced flow rate G the mass flow over height squared, width and pressure gradient, times sqrt(2 k T / m).
   Measured in the middle half: the mean flow of five planes over the fall of pressure between x = 5 and 15 heights, by a parabola through the pressures of 20 slabs.
   Truth: the linearized equation of Bhatnagar, Gross and Krook (Cercignani and Daneri, J. Appl. Phys. 34, 3509, 1963), whose integral equation the script solves (2.033, 1.539, 2.768 at delta 0.1, 1, 10), averaged over the pressures there.
-  Other laws of collision change it by a percent or two, hence 3 % and bars; bounds are those of a single plane, since the planes count the same molecules.
+  The particles collide as variable hard spheres, not by this equation, hence 3 % and bars; bounds are those of a single plane, since the planes count the same molecules.
 
 Bounds of densities and pressures come from the number of particles in ten groups of steps, the others from the blocks of each run.
 """
