@@ -74,7 +74,7 @@ Profile between(double low, double high, double length, bool linear) {
   return {flat, end.last, end.energy};
 }
 
-/// What is known of a sheet between plates at z = 0 and 1.
+/// The exact values of a sheet between plates at z = 0 and 1.
 struct Exact {
   double potential = 0, charge = 0, force = 0, energy = 0;
 };

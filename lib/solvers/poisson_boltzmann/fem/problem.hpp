@@ -21,7 +21,7 @@ struct Problem {
   SourceTerm term;
   PlateProfile profile;  ///< of the case's plate, whether it is split off or not; 0 without one
 
-  /// What a boundary face has to obey.
+  /// The condition at a boundary face.
   const Boundary& boundary_of(const BoundaryFace& face) const {
     return *input.find_boundary(domain.mesh->info.patches[static_cast<std::size_t>(face.patch)].name);
   }
