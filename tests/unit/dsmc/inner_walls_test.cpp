@@ -9,10 +9,9 @@
 
 #include "pamr/assemble/assemble.hpp"
 #include "pamr/base/error.hpp"
-#include "pamr/mesh/face_geometry.hpp"
-#include "pamr/mesh/inner_patches.hpp"
 #include "solvers/dsmc/run/gas_patches.hpp"
 #include "solvers/dsmc/run/plan.hpp"
+#include "support/inner_patch.hpp"
 #include "support/meshes.hpp"
 #include "unit/dsmc/stream_case.hpp"
 
@@ -25,17 +24,9 @@ using namespace pamr::dsmc;
 /// The unit cube with a patch "plate" of the faces in x = 0.5 whose centroids it holds.
 mesh::DistMesh cube_with_plate(const par::Comm& comm, const std::function<bool(Vec3)>& holds) {
   auto mesh = assemble::assemble(comm, test::kuhn_cube(comm, 4));
-  const auto plate = static_cast<int>(mesh.info.patches.size());
-  mesh.info.patches.push_back({"plate", "", -1});
-  auto& words = mesh::make_inner_patches(mesh);
-  for (LocalId cell = 0; cell < mesh.n_cells(); ++cell)
-    for (int slot = 0; slot < 4; ++slot) {
-      const auto points = mesh.points(cell);
-      const auto normal = mesh::area_vector(points, slot);
-      const auto center = mesh::face_centroid(points, slot);
-      if (mesh.cell_to_cell[at(cell)][at(slot)] < 0 || normal.y != 0 || normal.z != 0 || center.x != 0.5) continue;
-      if (holds(center)) words[at(cell)] = mesh::with_inner_patch(words[at(cell)], slot, plate);
-    }
+  test::add_inner_patch(mesh, "plate", [&](Vec3 normal, Vec3 center) {
+    return normal.y == 0 && normal.z == 0 && center.x == 0.5 && holds(center);
+  });
   return mesh;
 }
 

@@ -9,10 +9,10 @@
 #include <functional>
 #include <vector>
 
-#include "pamr/mesh/face_geometry.hpp"
 #include "pamr/mesh/inner_patches.hpp"
 #include "solved.hpp"
 #include "support/error_of.hpp"
+#include "support/inner_patch.hpp"
 
 /// Potentials and charges on patches of faces inside.
 namespace pamr::poisson_boltzmann {
@@ -27,17 +27,9 @@ bool is_in_the_middle(Vec3 p) { return std::abs(p.x - 0.5) < 0.25 && std::abs(p.
 mesh::DistMesh cube_with_sheet(const par::Comm& comm, int n, double level,
                                const std::function<bool(Vec3)>& holds = is_anywhere) {
   auto mesh = assemble::assemble(comm, test::kuhn_cube(comm, n));
-  const auto sheet = static_cast<int>(mesh.info.patches.size());
-  mesh.info.patches.push_back({"sheet", "", -1});
-  auto& words = mesh::make_inner_patches(mesh);
-  for (LocalId cell = 0; cell < mesh.n_cells(); ++cell)
-    for (int slot = 0; slot < 4; ++slot) {
-      const auto points = mesh.points(cell);
-      const auto normal = mesh::area_vector(points, slot);
-      const auto center = mesh::face_centroid(points, slot);
-      if (mesh.cell_to_cell[at(cell)][at(slot)] < 0 || normal.x != 0 || normal.y != 0 || center.z != level) continue;
-      if (holds(center)) words[at(cell)] = mesh::with_inner_patch(words[at(cell)], slot, sheet);
-    }
+  test::add_inner_patch(mesh, "sheet", [&](Vec3 normal, Vec3 center) {
+    return normal.x == 0 && normal.y == 0 && center.z == level && holds(center);
+  });
   return mesh;
 }
 
