@@ -4,7 +4,8 @@
 #
 #   tests/run.sh               all tests (most on 1 and 3 ranks; random cases: the quick level, 50 of each property)
 #   tests/run.sh full          also the full level: 1,000 random cases of each property, up to 16 ranks, unit tests on 2 and 4, all tests
-#                              of the tools on all ranks, faults, 100,000 damaged files, the cases and tutorials (docs/building.md)
+#                              of the tools on all ranks, faults, up to 100,000 damaged files of each format, the cases and tutorials
+#                              (docs/building.md)
 #   tests/run.sh -L unit       those with this label
 #   tests/run.sh -R close      those with this name
 #   tests/run.sh full -L full_level   the full level alone

@@ -82,8 +82,9 @@ def killed_while_writing(stage):
     return tally
 
 
-def limits(most, n=8):
-    """Numbers of bytes from nothing to `most`, the small ones closer together."""
+def limits(most):
+    """Numbers of bytes from nothing to `most`, the small ones closer together; half as many on several ranks."""
+    n = 8 if RANKS == 1 else 4
     return sorted({int(most * (i / n)**2) for i in range(n)} | {1, 100, 2048})
 
 

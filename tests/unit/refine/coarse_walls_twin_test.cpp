@@ -250,7 +250,7 @@ TEST(Twin, AgreesNearCoarseCurvedWalls) {
 
   // seeds of their own for each number of ranks: in the full level a thousand on 1 to 4
   const auto tally = compare(world, 1000 * static_cast<std::uint64_t>(world.size()),
-                             test::n_cases_on(world, world.size() == 1 ? 8 : 4, 250));
+                             test::n_cases_on(world, world.size() == 1 ? 8 : 4, 1000));
 
   EXPECT_GT(tally.maps, 0);
   EXPECT_GT(tally.levels, tally.maps);

@@ -55,7 +55,9 @@ bool is_full_level() {
 }
 
 std::uint64_t n_cases_on(const par::Comm& world, std::uint64_t quick, std::uint64_t full) {
-  return n_cases(quick, world.size() <= 4 ? full : std::min<std::uint64_t>(full, 40));
+  const std::array<std::uint64_t, 5> sixteenths{0, 8, 4, 3, 1};
+  const auto size = static_cast<std::size_t>(world.size());
+  return n_cases(quick, size < sixteenths.size() ? full * sixteenths[size] / 16 : std::min<std::uint64_t>(full, 40));
 }
 
 std::vector<std::uint64_t> seeds_alone(const par::Comm& world) {
@@ -68,7 +70,7 @@ std::vector<std::uint64_t> seeds_alone(const par::Comm& world) {
 }
 
 std::uint64_t n_cases_together(const par::Comm& world) {
-  return n_cases_on(world, world.size() == 1 ? 50 : world.size() <= 4 ? 24 : 10, 1000);
+  return n_cases_on(world, world.size() == 1 ? 50 : world.size() <= 4 ? 24 : 10, 2000);
 }
 
 std::vector<std::uint8_t> mark(const mesh::DistMesh& mesh, Law law, std::uint64_t seed) {

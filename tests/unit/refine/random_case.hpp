@@ -19,15 +19,16 @@ namespace pamr::test {
 bool is_full_level();
 inline std::uint64_t n_cases(std::uint64_t quick, std::uint64_t full) { return is_full_level() ? full : quick; }
 
-/// The same, but on more than four ranks, which wait for each other on few cores, at most 40.
+/// The same, where `full` are those on 1, 2, 3 and 4 ranks together: a half, a quarter, three and one sixteenth of them. Many ranks wait
+/// for each other on few cores: on more than four at most 40.
 std::uint64_t n_cases_on(const par::Comm& world, std::uint64_t quick, std::uint64_t full);
 
 /// Seeds of the cases that this rank goes through alone: 50 (full: 1,000) on one rank; 7 (full: 40) others on more
 /// ranks, shared out among them.
 std::vector<std::uint64_t> seeds_alone(const par::Comm& world);
 
-/// How many cases all ranks go through together: 50 on one rank, 24 on up to four, 10 on more (full: 1,000, on more
-/// than four ranks 40).
+/// How many cases all ranks go through together: 50 on one rank, 24 on up to four, 10 on more (full: 1,000 on one rank, as many on two
+/// to four, 40 on more).
 std::uint64_t n_cases_together(const par::Comm& world);
 
 /// What is marked: some cells by lot, those cut by a sphere, or those in a corner. By coordinates only, so that marks

@@ -168,7 +168,7 @@ Tally compare_together(MakePlan&& plan_of_seed) {
   const par::Comm world(MPI_COMM_WORLD);
   Tally tally;
   const auto size = static_cast<std::uint64_t>(world.size());
-  const auto n_cases = test::n_cases_on(world, 5, 250);
+  const auto n_cases = test::n_cases_on(world, 5, 1000);
   const auto make_plan = [&](std::uint64_t i) { return plan_of_seed(1000 * (size - 1) + i); };
   for (std::uint64_t begin = 0; begin < n_cases; begin += size) {
     const auto mine = begin + static_cast<std::uint64_t>(world.rank());
