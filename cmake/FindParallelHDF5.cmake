@@ -9,7 +9,7 @@ endif()
 list(TRANSFORM families PREPEND hdf5/ OUTPUT_VARIABLE suffixes)
 list(TRANSFORM families PREPEND hdf5_ OUTPUT_VARIABLE names)
 find_path(ParallelHDF5_INCLUDE_DIR hdf5.h PATH_SUFFIXES ${suffixes})
-find_library(ParallelHDF5_LIBRARY NAMES ${names} hdf5)
+find_library(ParallelHDF5_LIBRARY NAMES ${names} hdf5 NAMES_PER_DIR) # that of ParallelHDF5_ROOT before Debian's, as its headers
 pamr_is_of_this_mpi("${ParallelHDF5_LIBRARY}" ParallelHDF5_OF_THIS_MPI)
 if(ParallelHDF5_INCLUDE_DIR)
   file(STRINGS ${ParallelHDF5_INCLUDE_DIR}/H5pubconf.h ParallelHDF5_WITH_MPI REGEX "define H5_HAVE_PARALLEL 1")
@@ -27,4 +27,7 @@ if(ParallelHDF5_FOUND AND NOT TARGET hdf5::hdf5)
   set_target_properties(hdf5::hdf5 PROPERTIES
     IMPORTED_LOCATION "${ParallelHDF5_LIBRARY}"
     INTERFACE_INCLUDE_DIRECTORIES "${ParallelHDF5_INCLUDE_DIR}")
+  if(ParallelHDF5_LIBRARY MATCHES "[.]a$") # a static one does not say what it needs
+    set_target_properties(hdf5::hdf5 PROPERTIES INTERFACE_LINK_LIBRARIES "MPI::MPI_C;z;m;${CMAKE_DL_LIBS}")
+  endif()
 endif()
