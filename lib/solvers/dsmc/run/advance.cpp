@@ -23,20 +23,29 @@ Phase phase_of(const Computation& computation) {
   return {"computing", done, static_cast<std::int64_t>(averaging.expected_steps())};
 }
 
-/// Collective. `n_steps`: done by this computation.
-RankWork rank_work(const Computation& computation, std::int64_t n_steps) {
+/// Collective. The largest of the ranks' values over their mean.
+double imbalance_of(const par::Comm& comm, double here) {
+  double most = 0, sum = 0;
+  for (const double one : comm.all_gather(here)) {
+    most = std::max(most, one);
+    sum += one;
+  }
+  return sum > 0 ? most * comm.size() / sum : 1;
+}
+
+/// Collective. `n_steps`: done by this computation; `particle_steps`: of them on this rank.
+RankWork rank_work(const Computation& computation, std::int64_t n_steps, double particle_steps) {
   const auto& comm = computation.comm();
   const auto& here = computation.traffic();
   const auto per_step = [&](std::int64_t count) {
     return static_cast<double>(count) / static_cast<double>(std::max<std::int64_t>(1, n_steps));
   };
-  double longest = 0, sum = 0;
-  for (const double one : comm.all_gather(computation.computed())) {
-    longest = std::max(longest, one);
-    sum += one;
-  }
-  return {sum > 0 ? longest * comm.size() / sum : 1, per_step(comm.sum(here.messages)), per_step(comm.sum(here.bytes)),
-          per_step(comm.max(here.rounds)), per_step(comm.max(here.reductions))};
+  return {imbalance_of(comm, computation.computed()),
+          imbalance_of(comm, particle_steps),
+          per_step(comm.sum(here.messages)),
+          per_step(comm.sum(here.bytes)),
+          per_step(comm.max(here.rounds)),
+          per_step(comm.max(here.reductions))};
 }
 
 }  // namespace
@@ -95,7 +104,8 @@ Advance advance(Computation& computation, const AdvanceOptions& options, const O
   }
   if (!options.checkpoint.empty()) write();
   Advance result{static_cast<double>(comm.sum(static_cast<std::int64_t>(particle_steps))), 0,
-                 rank_work(computation, static_cast<std::int64_t>(steps_done() - first_step)), last.stop};
+                 rank_work(computation, static_cast<std::int64_t>(steps_done() - first_step), particle_steps),
+                 last.stop};
   for (const double one : comm.all_gather(cpu_seconds() - start)) result.cpu_seconds += one;
   return result;
 }

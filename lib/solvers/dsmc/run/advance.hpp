@@ -56,6 +56,7 @@ struct Observer {
 /// What the ranks had to do with one another in a step, mean over the steps.
 struct RankWork {
   double imbalance = 1;   ///< processor time of the slowest rank over the mean, communication apart
+  double particles = 1;   ///< particle-steps of the rank with the most over the mean
   double messages = 0;    ///< of all ranks
   double bytes = 0;       ///< in them
   double exchanges = 0;   ///< between neighbors, of the rank with the most
