@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
+#include <sched.h>
 
 #include <cmath>
 #include <limits>
 
 #include "pamr/assemble/assemble.hpp"
 #include "pamr/base/error.hpp"
+#include "pamr/base/timer.hpp"
 #include "solvers/dsmc/kernel/random.hpp"
 #include "solvers/dsmc/run/averaging.hpp"
-#include "solvers/dsmc/run/stop_at_rise.hpp"
+#include "solvers/dsmc/run/should_move.hpp"
 #include "solvers/dsmc/sampling/loads.hpp"
 #include "solvers/dsmc/sampling/steadiness.hpp"
 #include "support/meshes.hpp"
@@ -183,13 +185,39 @@ TEST(Results, AreFiniteOnlyIfAllCoefficientsAndTheirErrorsAre) {
   EXPECT_FALSE(is_finite(results));
 }
 
-TEST(StopAtRise, MovesWhenTheMeanCostOfAStepBeginsToRise) {
-  StopAtRise rule;
+/// Intervals until the next move, with the same imbalance in each.
+int intervals(ShouldMove& rule, double longest, double mean) {
+  int n = 1;
+  while (!rule.add(longest, mean)) ++n;
+  return n;
+}
+
+TEST(ShouldMove, WhenImbalanceHasCostAsMuchAsTheLastMove) {
+  ShouldMove rule;
   rule.moved(1.0);
-  EXPECT_FALSE(rule.add(20, 2.0, 1.99));  // the price is spread over more and more steps
-  EXPECT_FALSE(rule.add(20, 2.0, 1.98));
-  EXPECT_FALSE(rule.add(20, 2.0, 1.95));
-  EXPECT_TRUE(rule.add(20, 3.0, 2.0));
+  EXPECT_FALSE(rule.add(2.0, 1.9));
+  EXPECT_FALSE(rule.add(2.0, 1.5));
+  EXPECT_TRUE(rule.add(2.5, 2.0));  // 0.1 + 0.5 + 0.5
+
+  rule.moved(1.0);
+  EXPECT_EQ(intervals(rule, 2.03, 2.0), 34);  // the loss counts anew
+}
+
+TEST(ShouldMove, WhenImbalanceIsThereFromTheStart) {  // as where a stream enters an empty domain
+  ShouldMove rule;
+  rule.moved(1.0);
+  EXPECT_EQ(intervals(rule, 1.3, 1.0), 4);
+}
+
+TEST(ShouldMove, EverMoreSeldomWhereItDoesNotHelp) {
+  ShouldMove rule;
+  rule.moved(1.0);
+  for (const int expected : {3, 5, 9, 17, 33, 65, 129, 129}) {
+    EXPECT_EQ(intervals(rule, 1.5, 1.0), expected);
+    rule.moved(1.0);
+  }
+  EXPECT_FALSE(rule.add(1.1, 1.0));  // the last one did help
+  EXPECT_EQ(intervals(rule, 1.5, 1.0), 2);
 }
 
 TEST(Loads, OfANewtonianStreamOnAPlateAreThoseOfTheClosedForm) {
@@ -241,6 +269,40 @@ TEST(Computation, IsTheSameWhetherCellsMoveToOtherRanksOrNot) {
   EXPECT_EQ(b.n_blocks, 12U);
   EXPECT_EQ(test::history_of(*computation), test::history_of(*serial));
   EXPECT_EQ(computation->flow().lost(), 0);
+}
+
+/// Keeps this process on the first core that it may use, as all ranks of this machine.
+class OnOneCore {
+ public:
+  OnOneCore() {
+    if (sched_getaffinity(0, sizeof before_, &before_) != 0) return;
+    int first = 0;
+    while (!CPU_ISSET(first, &before_)) ++first;
+    cpu_set_t one;
+    CPU_ZERO(&one);
+    CPU_SET(first, &one);
+    sched_setaffinity(0, sizeof one, &one);
+  }
+  ~OnOneCore() { sched_setaffinity(0, sizeof before_, &before_); }
+  OnOneCore(const OnOneCore&) = delete;
+  OnOneCore& operator=(const OnOneCore&) = delete;
+
+ private:
+  cpu_set_t before_;
+};
+
+TEST(Computation, CountsProcessorTimeOfAMoveWhereRanksShareACore) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  const auto c = read_case(test::stream_case, "case.toml");
+  auto computation = test::filled(comm, c, assemble::assemble(comm, test::random_mesh(comm, 8, 4)));
+  const OnOneCore here;
+  comm.barrier();
+
+  const double start = cpu_seconds();
+  computation->rebalance();
+
+  EXPECT_LE(computation->move_seconds(), comm.max(cpu_seconds() - start));
+  EXPECT_EQ(computation->move_seconds() > 0, comm.size() > 1);
 }
 
 /// The small case with other lines for all of its patches, and the setup of the cube with it.

@@ -115,7 +115,8 @@ StepResult Computation::step(bool wants_stop) {
     longest = std::max(longest, one);
     mean += one / comm_->size();
   }
-  if (rule_.add(std::exchange(steps_, 0), longest, mean) && !result.is_complete) rebalance();
+  steps_ = 0;
+  if (rule_.add(longest, mean) && !result.is_complete) rebalance();
   return result;
 }
 
@@ -162,7 +163,7 @@ void Computation::adapt() {
 
 bool Computation::rebalance() {
   if (comm_->size() == 1) return false;
-  const double start = wall_seconds();
+  const double start = cpu_seconds();
   std::vector<double> weight;
   const auto begin = flow_->particles.begin();
   for (std::size_t c = 0; c + 1 < begin.size(); ++c) {
@@ -183,7 +184,10 @@ bool Computation::rebalance() {
     averaging_->resume(restore(*comm_, snapshot, *flow_));
     ++n_moves_;
   }
-  rule_.moved(comm_->max(wall_seconds() - start));
+  // Like what is lost to imbalance in processor seconds: by the clock a move takes longer where ranks share a core.
+  const double cost = comm_->max(cpu_seconds() - start);
+  move_seconds_ += cost;
+  rule_.moved(cost);
   return any;
 }
 

@@ -11,7 +11,7 @@
 #include "solvers/dsmc/flow/flow.hpp"
 #include "solvers/dsmc/run/averaging.hpp"
 #include "solvers/dsmc/run/flow_case.hpp"
-#include "solvers/dsmc/run/stop_at_rise.hpp"
+#include "solvers/dsmc/run/should_move.hpp"
 #include "solvers/dsmc/state/checkpoint.hpp"
 #include "solvers/dsmc/state/transfer_particles.hpp"
 
@@ -82,6 +82,8 @@ class Computation {
   const mesh::DistMesh& mesh() const { return mesh_; }
   bool is_dynamic() const { return is_dynamic_; }
   std::int64_t n_moves() const { return n_moves_; }  ///< of cells to other ranks
+  /// Processor seconds of the slowest rank in all calls of `rebalance`, communication included, which holds up the run.
+  double move_seconds() const { return move_seconds_; }
   /// Of this rank in all steps: processor seconds without communication, and what it has sent.
   double computed() const { return computed_; }
   const Traffic& traffic() const { return traffic_; }
@@ -95,7 +97,7 @@ class Computation {
   nlohmann::json facts_;                   ///< `facts_of` the case on the mesh
   std::optional<Flow> flow_;
   std::optional<Averaging> averaging_;
-  StopAtRise rule_;
+  ShouldMove rule_;
   /// Refines and coarsens the mesh by the averages; particles keep their places. Collective.
   void adapt();
   /// The averages under their names in files. Collective.
@@ -110,6 +112,7 @@ class Computation {
   double checked_ = 0;  ///< `computed_` at the last check of the balance
   int steps_ = 0;       ///< since then
   std::int64_t n_moves_ = 0;
+  double move_seconds_ = 0;
 };
 
 }  // namespace pamr::dsmc

@@ -105,11 +105,11 @@ json report_of(const Computation& computation, const Outcome& outcome) {
                             {"max_cells", a.max_cells},     {"removed_particles", a.removed},
                             {"seconds", a.seconds},         {"cells", computation.mesh().info.n_global_cells}};
   const auto& ranks = outcome.advance.ranks;
-  report["decomposition"] = {{"ranks", computation.comm().size()},     {"dynamic", computation.is_dynamic()},
-                             {"moves", computation.n_moves()},         {"imbalance", ranks.imbalance},
-                             {"particle_imbalance", ranks.particles},  {"messages_per_step", ranks.messages},
-                             {"bytes_per_step", ranks.bytes},          {"exchanges_per_step", ranks.exchanges},
-                             {"reductions_per_step", ranks.reductions}};
+  report["decomposition"] = {{"ranks", computation.comm().size()},    {"dynamic", computation.is_dynamic()},
+                             {"moves", computation.n_moves()},        {"move_seconds", computation.move_seconds()},
+                             {"imbalance", ranks.imbalance},          {"particle_imbalance", ranks.particles},
+                             {"messages_per_step", ranks.messages},   {"bytes_per_step", ranks.bytes},
+                             {"exchanges_per_step", ranks.exchanges}, {"reductions_per_step", ranks.reductions}};
   report["averages"] = averages_of(averaging, results, student);
   const Style style{student, c.reference.gives_lift(), averaging.scale()};
   report.update(shown(results.body, style));
