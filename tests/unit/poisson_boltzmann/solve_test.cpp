@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solvers/poisson_boltzmann/fem/solve.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 #include "solved.hpp"
 
@@ -54,6 +56,39 @@ TEST(Solve, GivesTheSameChargeAndEnergyOnAnyNumberOfRanks) {
   EXPECT_NEAR(analysis.patches[4].charge.value(), 13.9503076365, 1e-7);
   EXPECT_NEAR(analysis.energy.value().total, 20.6144970620, 1e-7);
   EXPECT_EQ(solved.solution.newton_iterations, 6);
+}
+
+TEST(Solve, ScalesALinearEquationWithItsData) {
+  par::Comm comm(MPI_COMM_WORLD);
+  for (const std::string order : {"1", "2"}) {
+    const auto solved_with = [&](double value) {
+      return std::make_unique<Solved>(
+          comm, test::kuhn_cube(comm, 3),
+          fmt::format(
+              "[equation]\nlinear = true\n[solver]\norder = {}\n[estimator]\ngoals = [\"force-z\", \"energy\"]\n"
+              "goal_patch = \"zmin\"\n[boundary]\nzmin = {{ kind = \"potential\", value = {} }}\n"
+              "zmax = {{ kind = \"charge\", value = {} }}\n\"*\" = {{ kind = \"symmetry\" }}\n",
+              order, value, -2 * value));
+    };
+    const auto of_one = solved_with(1);
+    const auto goals_of_one = of_one->analysis(comm).goals;
+
+    for (const double value : {1e-50, 1e-9, 1e9, -1e49}) {
+      const auto scaled = solved_with(value);
+      ASSERT_TRUE(scaled->solution.converged) << scaled->solution.reason;
+      for (std::size_t i = 0; i < scaled->solution.u.size(); ++i)
+        ASSERT_NEAR(scaled->solution.u[i] / value, of_one->solution.u[i], 1e-9) << value;
+      const auto goals = scaled->analysis(comm).goals;
+      for (std::size_t g = 0; g < goals.size(); ++g) {
+        EXPECT_NEAR((*goals[g].value + goals[g].correction) / value / value,
+                    *goals_of_one[g].value + goals_of_one[g].correction, 1e-9)
+            << value;
+        ASSERT_EQ(goals[g].error_bar.has_value(), goals_of_one[g].error_bar.has_value());
+        if (!goals[g].error_bar) continue;
+        EXPECT_NEAR(*goals[g].error_bar / value / value, *goals_of_one[g].error_bar, 1e-9) << value;
+      }
+    }
+  }
 }
 
 TEST(Solve, AnswersZeroDataWithZero) {

@@ -94,6 +94,10 @@ void System::configure(SNES snes) {
   SNESLineSearch search = nullptr;
   require(SNESGetLineSearch(snes, &search));
   require(SNESLineSearchSetType(search, SNESLINESEARCHBT));
+  // The step of a linear equation is the solution, of any size; PETSc shortens steps beyond 1e8.
+  if (problem_.input.linear)
+    require(SNESLineSearchSetTolerances(search, PETSC_DEFAULT, PETSC_MAX_REAL, PETSC_DEFAULT, PETSC_DEFAULT,
+                                        PETSC_DEFAULT, PETSC_DEFAULT));
   require_options(SNESSetFromOptions(snes));
   keep_symmetric(ksp);
   keep_hierarchy(snes);
