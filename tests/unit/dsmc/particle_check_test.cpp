@@ -18,11 +18,12 @@ namespace particle_check_test {
 using namespace pamr;
 using namespace pamr::dsmc;
 
-TEST(CheckedCoefficient, HasTheErrorOfAValueThatIsOffByOneOverTheParticles) {
+TEST(CheckedCoefficient, HasTheErrorOfAValueThatIsOffByTheSquareOfTheDistanceOfPartners) {
   for (const double off : {0.02, -0.5, 3.0})
     for (const double n : {8.0, 100.0}) {
-      const CheckedCoefficient one{"C_D", {1 + off / n, 0}, {1 + off / (n / 4), 0}};
-      EXPECT_NEAR(one.error(), std::fabs(off / n), 1e-12) << off << ", " << n;
+      const auto error = [&](double particles) { return off * std::pow(std::pow(particles, -1.0 / 3), 2); };
+      const CheckedCoefficient one{"C_D", {1 + error(n), 0}, {1 + error(n / 4), 0}};
+      EXPECT_NEAR(one.error(), std::fabs(error(n)), 1e-12) << off << ", " << n;
       EXPECT_NEAR(one.bound(), one.error(), 1e-15);
     }
 }
@@ -30,10 +31,10 @@ TEST(CheckedCoefficient, HasTheErrorOfAValueThatIsOffByOneOverTheParticles) {
 TEST(CheckedCoefficient, DoesNotTakeADifferenceBelowItsNoiseForNone) {
   const CheckedCoefficient hidden{"C_D", {1.3, 0.003}, {1.301, 0.004}, 2.2, 2.1};
   EXPECT_NEAR(hidden.difference_error(), 0.005, 1e-15);
-  EXPECT_NEAR(hidden.error(), 2 * 0.005 / 3, 1e-15);
-  EXPECT_NEAR(hidden.bound(), 2.2 * 0.003 + 2 * 0.005 / 3, 1e-15);
+  EXPECT_NEAR(hidden.error(), 2 * 0.005 * 0.657963, 1e-8);
+  EXPECT_NEAR(hidden.bound(), 2.2 * 0.003 + 2 * 0.005 * 0.657963, 1e-8);
   const CheckedCoefficient seen{"C_D", {1.3, 0.003}, {1.36, 0.004}, 2.2, 2.1};
-  EXPECT_NEAR(seen.error(), 0.02, 1e-12);
+  EXPECT_NEAR(seen.error(), 0.06 * 0.657963, 1e-7);
 }
 
 TEST(ParticleCheck, RunsAQuarterOfTheParticlesFromTheGasThatThereIsWithTheSameBitsOnAnyRanks) {

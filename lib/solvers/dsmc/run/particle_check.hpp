@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
@@ -13,8 +14,11 @@ namespace pamr::dsmc {
 
 /// A run with a quarter of the particles has particles that stand for so many times as many molecules.
 inline constexpr double fewer_particles = 4;
-/// The error of N particles over what N / 4 differ from them, where errors are as 1 / N: a/N over 4a/N - a/N.
-inline constexpr double error_per_difference = 1 / (fewer_particles - 1);
+/// The error of N particles over what N / 4 differ from them, 1 / (4^(2/3) - 1), where errors are as the square of the
+/// distance d of partners: momentum and heat that jump over d in a collision add to viscosity and conductivity in
+/// second order (F. J. Alexander, A. L. Garcia, B. J. Alder, "Cell size dependence of transport coefficients in
+/// stochastic particle algorithms", Phys. Fluids 10, 1540 (1998)), and of nearest partners d is as N^(-1/3).
+inline const double error_per_difference = 1 / (std::cbrt(fewer_particles * fewer_particles) - 1);
 
 /// A coefficient of the body with all particles and with a quarter of them.
 struct CheckedCoefficient {
