@@ -142,7 +142,38 @@ TEST(ReadCase, ReadsTheOldNameOfKind) {
   EXPECT_EQ(read_case(old, "c").boundary.at(0).value, read_case(wall, "c").boundary.at(0).value);
   EXPECT_EQ(read_case(old, "c").boundary.at(0).condition, Condition::potential);
   EXPECT_THAT(error_of(old + "kind = \"potential\"\n"), testing::HasSubstr("either kind or its old name condition"));
+  EXPECT_EQ(error_of(wall + "valeu = 1\n"),
+            "case.toml:4:1: unknown key 'valeu' in [boundary.wall]; did you mean 'value'?");
+  EXPECT_EQ(error_of(wall + "sites = 1\n"),
+            "case.toml:4:1: unknown key 'sites' in [boundary.wall]; expected one of kind, unit, value");
   EXPECT_THAT(error_of("[boundary.wall]\nkynd = \"potential\"\nvalue = 2\n"), testing::HasSubstr("kind"));
+}
+
+TEST(ReadCase, SaysThatAConditionTakesNoValue) {
+  for (const std::string kind : {"symmetry", "plate-profile", "far-field", "manufactured"})
+    for (const std::string key : {"value", "unit", "site", "pK"})
+      EXPECT_EQ(error_of("[boundary.wall]\nkind = \"" + kind + "\"\n" + key + " = 1\n"),
+                "case.toml:3:" + std::to_string(key.size() + 4) + ": expected no " + key +
+                    " in [boundary.wall] with kind = \"" + kind + "\", found one");
+}
+
+TEST(ReadCase, RefusesValuesWhoseSquaresAreNoNumbers) {
+  for (const std::string head : {"", "[equation]\nlinear = true\n"})
+    for (const std::string kind : {"potential", "charge"})
+      for (const std::string value : {"1e-51", "-1e-300", "1e51", "-1e300"})
+        EXPECT_THAT(error_of(head + "[boundary.wall]\nkind = \"" + kind + "\"\nvalue = " + value + "\n"),
+                    testing::HasSubstr("expected value = 0 or a number of size 1e-50 to 1e+50 in [boundary.wall]"));
+  EXPECT_EQ(read_case("[boundary.wall]\nkind = \"potential\"\nvalue = 0\n", "c").boundary[0].value, 0);
+}
+
+TEST(ReadCase, NamesThePotentialOfAPlateThatHasAChargeOrSites) {
+  const std::string plate = "[plate]\npatch = \"wall\"\n[electrolyte]\npH = 7\n[boundary.wall]\nkind = ";
+  EXPECT_THAT(
+      error_of(plate + "\"charge\"\nvalue = 2\n"),
+      testing::AllOf(testing::HasSubstr("found \"charge\""), testing::HasSubstr("has 1.762747 kT/Ze: give it")));
+  EXPECT_THAT(error_of(plate + "\"regulated\"\nsite = \"acid\"\nvalue = 2\npK = 5\n"),
+              testing::AllOf(testing::HasSubstr("found \"regulated\""), testing::HasSubstr("has -1.689161 kT/Ze")));
+  EXPECT_THAT(error_of(plate + "\"symmetry\"\n"), testing::EndsWith("found \"symmetry\""));
 }
 
 TEST(ReadCase, RefusesOtherBadInput) {

@@ -212,7 +212,7 @@ TEST(Sheet, ThatEndsInTheLiquidHasNoBar) {
     EXPECT_NEAR(of_sheet(analysis).area, 0.25, 1e-12);
     EXPECT_GT(*of_sheet(analysis).charge, 0.25 * 2 / std::tanh(0.5));  // more at its rim than in the middle
     EXPECT_FALSE(analysis.goals[0].error_bar);
-    EXPECT_EQ(analysis.goals[0].no_error_bar, "it does not hold where sheet sheet ends in the liquid");
+    EXPECT_EQ(analysis.goals[0].no_error_bar, "it does not hold where patch sheet ends in the liquid");
   }
 }
 
@@ -237,7 +237,7 @@ TEST(Sheet, IsRefusedWithAnythingButAPotentialOrACharge) {
 
   for (const std::string condition : {"symmetry", "far-field", "plate-profile"})
     EXPECT_EQ(refusal(case_of("", 1, 0, "condition = \"" + condition + "\"\n")),
-              "case: expected condition \"potential\" or \"charge\" in [boundary.sheet], whose faces lie inside the "
+              "case: expected kind = \"potential\" or \"charge\" in [boundary.sheet], whose faces lie inside the "
               "liquid, found \"" +
                   condition + "\" (without a table the liquid goes on through them)");
   EXPECT_THAT(refusal(case_of("[electrolyte]\nconcentration = 1\npH = 6\n", 1, 0,

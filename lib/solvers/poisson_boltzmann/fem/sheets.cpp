@@ -18,7 +18,7 @@ namespace {
 void require_sheet(const Case& input, const Boundary& b, const std::string& where) {
   if (b.condition != Condition::potential && b.condition != Condition::charge)
     throw Error(
-        fmt::format("{}: expected condition \"potential\" or \"charge\" in [boundary.{}], whose faces lie inside the "
+        fmt::format("{}: expected kind = \"potential\" or \"charge\" in [boundary.{}], whose faces lie inside the "
                     "liquid, found \"{}\" (without a table the liquid goes on through them)",
                     where, b.patch, name_of(b.condition)));
   if (input.plate && input.plate->patch == b.patch)

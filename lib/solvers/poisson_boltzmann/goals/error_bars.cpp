@@ -32,15 +32,15 @@ std::string why_not_with_sheets(const Problem& problem, const std::vector<Electr
   for (std::size_t p = 0; p < info.patches.size(); ++p) {
     if (!domain.patches[p].has_inside) continue;
     const auto& name = info.patches[p].name;
-    if (domain.patches[p].has_rim) return fmt::format("it does not hold where sheet {} ends in the liquid", name);
+    if (domain.patches[p].has_rim) return fmt::format("it does not hold where patch {} ends in the liquid", name);
     const bool is_pushed = std::any_of(electrodes.begin(), electrodes.end(), [&](const Electrode& e) {
       return e.name == goal.body && e.has(static_cast<int>(p));
     });
     if (is_linear && is_pushed && (goal.kind == Goal::Kind::force || goal.kind == Goal::Kind::torque))
-      return fmt::format("that of what acts on sheet {} is too small: use order = 2", name);
+      return fmt::format("that of what acts on patch {} is too small: use order = 2", name);
     const bool has_charge = problem.input.find_boundary(name)->holds_charge();
     if (is_curved(p) && (is_linear || has_charge))
-      return fmt::format("it would not contain the curvature of sheet {}", name) +
+      return fmt::format("it would not contain the curvature of patch {}", name) +
              (has_charge ? "" : ": use order = 2");
     const auto own =
         std::find_if(electrodes.begin(), electrodes.end(), [&](const Electrode& e) { return e.name == name; });
@@ -50,10 +50,10 @@ std::string why_not_with_sheets(const Problem& problem, const std::vector<Electr
     for (std::size_t q = 0; q < info.patches.size(); ++q) {
       if (!meets(q)) continue;
       if (has_charge && is_curved(q))
-        return fmt::format("it would not contain the edge of sheet {} at the curved patch {}", name,
+        return fmt::format("it would not contain the edge of patch {} at the curved patch {}", name,
                            info.patches[q].name);
       if (is_linear && goal.kind == Goal::Kind::midplane && info.patches[q].name == problem.input.force.midplane)
-        return fmt::format("it does not hold where sheet {} meets the mid-plane: use order = 2", name);
+        return fmt::format("it does not hold where patch {} meets the mid-plane: use order = 2", name);
     }
   }
   return "";

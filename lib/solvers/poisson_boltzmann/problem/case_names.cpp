@@ -58,7 +58,7 @@ void require_bodies(const Case& input, const std::string& where) {
     for (const auto& patch : body.patches)
       if (!is_name_pattern(patch) && !input.is_electrode(patch))
         throw Error(
-            fmt::format("{}: expected patches with condition \"potential\", \"charge\" or \"regulated\" in [[body]] "
+            fmt::format("{}: expected patches with kind = \"potential\", \"charge\" or \"regulated\" in [[body]] "
                         "\"{}\", found \"{}\"",
                         where, body.name, patch));
     const bool is_alone = body.patches == Names{body.name};
@@ -76,7 +76,7 @@ Case resolve_names(Case input, const std::vector<mesh::Patch>& patches, const st
       const auto found = is_unknown ? Names{name} : electrodes_named(name, patches, input);
       if (found.empty())
         throw Error(fmt::format(
-            "{}: expected patches of the mesh with condition \"potential\", \"charge\" or \"regulated\" in [[body]] "
+            "{}: expected patches of the mesh with kind = \"potential\", \"charge\" or \"regulated\" in [[body]] "
             "\"{}\", found none that \"{}\" stands for",
             where, body.name, name));
       for (const auto& patch : found)

@@ -14,6 +14,7 @@
 #include "pamr/base/name_pattern.hpp"
 #include "solvers/poisson_boltzmann/problem/case_names.hpp"
 #include "solvers/poisson_boltzmann/problem/petsc_options.hpp"
+#include "solvers/poisson_boltzmann/problem/read_goals.hpp"
 
 namespace pamr::poisson_boltzmann {
 
@@ -28,6 +29,20 @@ constexpr std::array<std::pair<Condition, const char*>, 7> condition_names{{{Con
                                                                             {Condition::plate_profile, "plate-profile"},
                                                                             {Condition::far_field, "far-field"},
                                                                             {Condition::manufactured, "manufactured"}}};
+
+/// Sizes of potentials and charges that are not 0: squares of their squares, as in error bars, are numbers as well.
+constexpr double min_size = 1e-50, max_size = 1e50;
+
+bool takes_value(Condition condition) {
+  return condition == Condition::potential || condition == Condition::charge || condition == Condition::regulated;
+}
+
+[[noreturn]] void refuse_both(const TomlTable& table, std::string_view key, std::string_view expected) {
+  throw Error(fmt::format("{}: expected {}, found both", table.at(key), expected));
+}
+
+/// Whether the table has a key, without asking for it: messages that list the keys do not name it.
+bool is_stated(const TomlTable& table, std::string_view key) { return table.at(key) != table.at(); }
 
 /// Charges of cation and anion, "2:1".
 void read_salt(const TomlTable& table, Electrolyte& e) {
@@ -58,7 +73,7 @@ void read_ions(const TomlTable& table, Electrolyte& e) {
   }
   if (e.ions.empty()) return read_salt(table, e);
   for (const auto* key : {"salt", "concentration"})
-    if (table.has(key)) table.refuse(key, fmt::format("either {} or [[electrolyte.ion]]", key), "both");
+    if (table.has(key)) refuse_both(table, key, fmt::format("either {} in [electrolyte] or [[electrolyte.ion]]", key));
   if (!(std::abs(charge) <= 1e-9 * size))
     table.refuse("ion", "ions whose charges add up to 0 (the sum of charge times concentration)",
                  fmt::format("{:g} mol/m^3", charge));
@@ -104,59 +119,6 @@ SolverOptions read_solver(const TomlTable& table) {
   if (!options.refused.empty()) table.refuse("petsc", options.expected, "\"" + options.refused + "\"");
   solver.petsc = options.text;
   return solver;
-}
-
-constexpr std::array<std::pair<Goal::Kind, const char*>, 5> goal_kinds{{{Goal::Kind::midplane, "midplane"},
-                                                                        {Goal::Kind::force, "force"},
-                                                                        {Goal::Kind::torque, "torque"},
-                                                                        {Goal::Kind::charge, "charge"},
-                                                                        {Goal::Kind::energy, "energy"}}};
-
-/// "force-x", "charge"; `volume-x` is an older name of `force-x`. Nothing if it is no goal.
-std::optional<Goal> goal_named(const std::string& name) {
-  const auto dash = name.find('-');
-  auto word = name.substr(0, dash);
-  if (word == "volume") word = "force";
-  Goal goal;
-  goal.name = dash == std::string::npos ? word : word + name.substr(dash);
-  const auto axis = dash == std::string::npos ? std::string() : name.substr(dash + 1);
-  for (const auto& [kind, known] : goal_kinds) {
-    if (word != known) continue;
-    const bool has_axis = kind == Goal::Kind::force || kind == Goal::Kind::torque;
-    if (has_axis != (dash != std::string::npos) || (has_axis && axis != "x" && axis != "y" && axis != "z"))
-      return std::nullopt;
-    goal.kind = kind;
-    if (has_axis) goal.axis = axis[0] - 'x';
-    return goal;
-  }
-  return std::nullopt;
-}
-
-/// `goal = "force-x"`, or `goals = ["force-x", "force-z"]`, of `goal_patch`.
-std::vector<Goal> read_goals(const TomlTable& table) {
-  std::vector<std::string> names;
-  if (table.has("goals")) names = table.texts("goals");
-  const auto one = table.find_text("goal");
-  if (one && !names.empty()) table.refuse("goal", "either goal or goals", "both");
-  const std::string key = one ? "goal" : "goals";
-  if (one && *one != "none") names.push_back(*one);
-  const auto body = table.text_or("goal_patch", "");
-  std::vector<Goal> goals;
-  for (const auto& name : names) {
-    auto goal = goal_named(name);
-    if (!goal)
-      table.refuse(key,
-                   R"("none", "midplane", "force-x", "force-y", "force-z", "torque-x", "torque-y", "torque-z", )"
-                   R"("charge" or "energy")",
-                   "\"" + name + "\"");
-    if (goal->kind != Goal::Kind::midplane && goal->kind != Goal::Kind::energy) {
-      if (body.empty())
-        table.refuse(key, "goal_patch = \"PATCH OR BODY\" in [estimator] for goal \"" + name + "\"", "none");
-      goal->body = body;
-    }
-    goals.push_back(std::move(*goal));
-  }
-  return goals;
 }
 
 EstimatorOptions read_estimator(const TomlTable& table) {
@@ -246,22 +208,44 @@ class Reader {
     result_.bodies.push_back(std::move(body));
   }
 
+  static Condition read_condition(const TomlTable& table) {
+    const bool is_old = is_stated(table, "condition");  // what `kind` was called
+    if (is_old && table.has("kind"))
+      refuse_both(table, "condition",
+                  fmt::format("either kind or its old name condition in [boundary.{}]", table.name()));
+    const auto word = table.word(is_old ? "condition" : "kind", {"potential", "charge", "regulated", "symmetry",
+                                                                 "plate-profile", "far-field", "manufactured"});
+    auto condition = Condition::symmetry;
+    for (const auto& [known, name] : condition_names)
+      if (word == name) condition = known;
+    if (takes_value(condition)) return condition;
+    for (const auto* key : {"value", "unit", "site", "pK"})
+      if (table.has(key))
+        throw Error(fmt::format("{}: expected no {} in [boundary.{}] with kind = \"{}\", found one", table.at(key), key,
+                                table.name(), word));
+    return condition;
+  }
+
+  /// A dimensionless potential or charge; `unit` is what 1 of its unit is.
+  static double amount(const TomlTable& table, double unit) {
+    const double value = unit * table.number("value");
+    if (value != 0 && !(std::abs(value) >= min_size && std::abs(value) <= max_size))
+      table.refuse("value", fmt::format("0 or a number of size {:g} to {:g}", min_size, max_size),
+                   fmt::format("{:g}", value));
+    return value;
+  }
+
   Boundary read_boundary(const TomlTable& table) const {
     Boundary boundary;
     boundary.patch = table.name();
-    const bool is_old = table.has("condition");  // what `kind` was called
-    if (is_old && table.has("kind")) table.refuse("condition", "either kind or its old name condition", "both");
-    const auto word = table.word(is_old ? "condition" : "kind", {"potential", "charge", "regulated", "symmetry",
-                                                                 "plate-profile", "far-field", "manufactured"});
-    for (const auto& [condition, name] : condition_names)
-      if (word == name) boundary.condition = condition;
+    boundary.condition = read_condition(table);
     const auto units = units_of(result_.electrolyte);
     double most = largest_potential;
     for (const auto& ion : result_.electrolyte.ions) most = std::min(most, largest_potential / std::abs(ion.charge));
     if (boundary.condition == Condition::potential) {
       const auto unit = table.word_or("unit", "kT/Ze", {"kT/Ze", "V", "mV"});
       const double scale = unit == "V" ? 1 / units.potential : unit == "mV" ? 1e-3 / units.potential : 1;
-      boundary.value = scale * table.number("value", {-1e100, 1e100});
+      boundary.value = amount(table, scale);
       if (!result_.linear && !(std::abs(boundary.value) <= most))
         table.refuse("value",
                      fmt::format("a potential of at most {:g} kT/Ze (its layer is {:.1e} Debye lengths thick, which no "
@@ -274,7 +258,7 @@ class Reader {
         throw Error(
             fmt::format("{}: expected debye_length or concentration in [electrolyte] for a charge in C/m2, found none",
                         table.at("unit")));
-      boundary.value = table.number("value", {-1e100, 1e100}) / (unit == "C/m2" ? *units.charge_density : 1);
+      boundary.value = amount(table, unit == "C/m2" ? 1 / *units.charge_density : 1);
       const double potential = result_.term().potential_of_charge(boundary.value);
       if (!result_.linear && !(std::abs(potential) <= most))
         table.refuse("value", fmt::format("a charge that makes a potential of at most {:g} kT/Ze", most),
@@ -328,18 +312,27 @@ class Reader {
              "none: the cut-off functions of other bodies come from the mesh");
   }
 
+  /// The profile of a plate begins at a potential, which a charge or sites have on a plate alone only.
+  double potential_of_plate() const {
+    const auto& patch = result_.plate->patch;
+    const auto* b = result_.find_boundary(patch);
+    if (b != nullptr && b->condition == Condition::potential) return b->value;
+    std::string found = b == nullptr ? "none" : fmt::format("\"{}\"", name_of(b->condition));
+    if (b != nullptr && takes_value(b->condition))
+      found += fmt::format(
+          " (the profile begins at a potential, alone this plate has {:.7g} kT/Ze: give it, or leave out "
+          "[plate] and take \"symmetry\" for walls across the plate)",
+          b->condition == Condition::charge ? result_.term().potential_of_charge(b->value)
+                                            : b->site.flat_wall_potential(result_.term()));
+    refuse(fmt::format("[boundary.{}] with kind = \"potential\" for the patch of the plate", patch), found);
+  }
+
   void check() {
     if (result_.boundary.empty()) refuse("a table [boundary.PATCH] for every patch of the mesh", "none");
     if (result_.plate && !result_.linear && !result_.electrolyte.ions.empty())
       refuse("a Z:Z salt with a table [plate] (or linear = true): its profile is that of sinh",
              "\"" + result_.electrolyte.salt + "\"");
-    if (result_.plate) {
-      const auto* plate = result_.find_boundary(result_.plate->patch);
-      if (plate == nullptr || plate->condition != Condition::potential)
-        refuse(fmt::format("[boundary.{}] with kind = \"potential\" for the patch of the plate", result_.plate->patch),
-               plate == nullptr ? "none" : std::string("\"") + name_of(plate->condition) + "\"");
-      result_.plate->potential = plate->value;
-    }
+    if (result_.plate) result_.plate->potential = potential_of_plate();
     check_spheres();
     if (result_.split && !result_.plate) refuse("a table [plate] with split = true", "none");
     if (result_.split && result_.manufactured) refuse("either split or manufactured", "both");
@@ -391,8 +384,7 @@ const Boundary* Case::find_boundary(std::string_view patch) const {
 
 bool Case::is_electrode(std::string_view patch) const {
   const auto* b = find_boundary(patch);
-  return b != nullptr && (b->condition == Condition::potential || b->condition == Condition::charge ||
-                          b->condition == Condition::regulated);
+  return b != nullptr && takes_value(b->condition);
 }
 
 bool Case::has_regulated() const {

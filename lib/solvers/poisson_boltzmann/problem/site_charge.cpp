@@ -59,7 +59,7 @@ SiteCharge read_site_charge(const TomlTable& table, const Electrolyte& electroly
                     table.at("unit"), unit));
   if (!electrolyte.ph)
     throw Error(fmt::format("{}: expected pH in [electrolyte] for a pK, found none", table.at("pK")));
-  const double density = table.number("value", {1e-100, 1e100}) / (unit == "dimensionless" ? 1 : *of_unit);
+  const double density = table.number("value", {1e-50, 1e50}) / (unit == "dimensionless" ? 1 : *of_unit);
   const double pk = table.number("pK", {-100, 100});
   return {sign * density, sign * std::numbers::ln10 * (*electrolyte.ph - pk), sign / electrolyte.valence};
 }
