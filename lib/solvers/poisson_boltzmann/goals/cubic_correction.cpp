@@ -226,11 +226,14 @@ double CubicCorrection::fourth_of(std::size_t cell, std::span<const double> x) c
   const auto shape = domain.shape(cell);
   const auto points = domain.points(cell);
   geometry::Vec3 gradient;
-  double slope = 0;
+  double source = 0, size = 0;  // largest k^2 x and x: a wall in whose layer x is 0 has no part in k
   for (std::size_t k = 0; k < 4; ++k) {
     const auto node = at(functions_.cell_to_function[cell][k]);
     gradient += x[node] * shape.gradient[k];
-    slope = std::max(slope, problem_.term.slope(u_[node], problem_.split_potential(domain.point[node].z)));
+    const double here = std::abs(x[node]);
+    const double slope = problem_.term.slope(u_[node], problem_.split_potential(domain.point[node].z));
+    source = std::max(source, here * slope);
+    size = std::max(size, here);
   }
   double low = HUGE_VAL, high = -HUGE_VAL;
   for (const auto& point : points) {
@@ -238,7 +241,8 @@ double CubicCorrection::fourth_of(std::size_t cell, std::span<const double> x) c
     high = std::max(high, dot(gradient, point));
   }
   const double squared = squared_norm(gradient), height = high - low;
-  return squared > 0 ? fourth_over_second * slope * height * height / squared : 0;
+  // At most 1, as that of third order over second: where a cell is many layers high, the series says nothing.
+  return squared > 0 ? std::min(1.0, fourth_over_second * source / size * height * height / squared) : 0;
 }
 
 std::vector<double> CubicCorrection::decay_of(const par::Comm& comm, std::span<const double> x) const {

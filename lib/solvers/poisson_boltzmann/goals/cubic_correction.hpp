@@ -69,7 +69,7 @@ class CubicCorrection {
   double product_of(std::size_t cell, const OfCubicCell<double>& a, const OfCubicCell<double>& b) const;
   OfCubicCell<double> of_cell(std::size_t cell, std::span<const double> x) const;
   std::vector<double> decay_of(const par::Comm& comm, std::span<const double> x) const;
-  /// Fourth order over second on a cell by the equation, along the gradient of x.
+  /// Fourth order over second on a cell by the equation, along the gradient of x; at most 1.
   double fourth_of(std::size_t cell, std::span<const double> x) const;
   void add_curvature(const par::Comm& comm, CubicGoalError& to) const;
   /// The part of a cell that comes from the curvature of the source term and of the charges of sites.
