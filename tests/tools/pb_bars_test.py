@@ -3,9 +3,12 @@
 import json
 import math
 import pathlib
+import sys
 
 import h5py
 
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[2] / "cases" / "charged-sphere"))
+import shell  # noqa: E402
 from pb_cases import MAGNESIUM, SALT, SEA, boundary, cell, cube, goals_of, integrate, pressure, solve, source, stated
 from tool_run import of_full_level, of_one_process, prepare_alone, run, run_tests
 
@@ -76,18 +79,59 @@ def test_a_bar_of_first_order_holds_the_truth_between_plates_or_is_withheld():
     assert n_printed == 13
 
 
-def spheres(inner, outer, ions):
-    """Spheres of radius 1 and 3 with these potentials: charge of the inner one, energy of an octant."""
+def spheres(inner, outer, ions, radii=(1.0, 3.0)):
+    """Spheres of these radii with these potentials: charge of the inner one, of the outer one, energy of an octant."""
+    low, high = radii
     a, b = outer - inner, outer - inner + 0.1  # slopes at the outer sphere
-    miss = [integrate(ions, (3.0, outer), 1.0, slope, 2)[0] - inner for slope in (a, b)]
+    miss = [integrate(ions, (high, outer), low, slope, 2)[0] - inner for slope in (a, b)]
     for _ in range(30):
         a, b = b, b - miss[1] * (b - a) / (miss[1] - miss[0]) if miss[1] != miss[0] else b
-        miss = [miss[1], integrate(ions, (3.0, outer), 1.0, b, 2)[0] - inner]
+        miss = [miss[1], integrate(ions, (high, outer), low, b, 2)[0] - inner]
         if abs(miss[1]) < 1e-13:
             break
     assert abs(miss[1]) < 1e-9, miss
-    _, slope, energy = integrate(ions, (3.0, outer), 1.0, b, 2)
-    return {"charge": -4 * math.pi * slope, "energy": -4 * math.pi * energy / 8}
+    _, slope, energy = integrate(ions, (high, outer), low, b, 2)
+    return {"charge": -4 * math.pi * low ** 2 * slope, "of outer": 4 * math.pi * high ** 2 * b, "energy": -4 * math.pi * energy / 8}
+
+
+def shell_with_sheet(n, layers):
+    """Octants of spheres of radius 1 and 3, and of a sheet of radius 2 between them, with n edges along each side."""
+    points, cells, neighbors, names = shell.shell(1.0, 3.0, n, layers, 1)
+    radius = [math.sqrt(sum(x * x for x in point)) for point in points]
+    corners = [[int(node) for j, node in enumerate(cell) if j != i] for cell in cells for i in range(4)]
+    faces = {tuple(sorted(face)): 6 for face in corners if all(abs(radius[node] - 2) < 1e-9 for node in face)}
+    faces.update({tuple(face): -int(patch) for face, patch in zip(corners, neighbors.ravel()) if patch < 0})
+    lines = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$PhysicalNames", "6",
+             *(f'2 {i} "{name}"' for i, name in enumerate([*names, "sheet"], 1)), "$EndPhysicalNames", "$Nodes", len(points),
+             *(f"{i} {x!r} {y!r} {z!r}" for i, (x, y, z) in enumerate(points.tolist(), 1)), "$EndNodes", "$Elements",
+             len(faces) + len(cells)]
+    groups = [(2, patch, face) for face, patch in faces.items()] + [(4, 7, cell) for cell in cells.tolist()]
+    lines += [f"{i} {kind} 2 {group} {group} " + " ".join(str(node + 1) for node in nodes)
+              for i, (kind, group, nodes) in enumerate(groups, 1)]
+    pathlib.Path("shell.msh").write_text("\n".join(map(str, lines)) + "\n$EndElements\n")
+    pathlib.Path("shell.toml").write_text("".join(
+        f'[[surface]]\nname = "{name}"\nkind = "sphere"\ncenter = [0, 0, 0]\nradius = {r}\n'
+        for name, r in (("sphere", 1), ("sheet", 2), ("outer", 3))))
+    run("pamr-convert", "shell.msh", f"shell{n}.hdf", "--surfaces", "shell.toml", "--force", "--quiet", serial=True)
+    return f"shell{n}.hdf"
+
+
+def test_bars_hold_beside_a_curved_sheet_at_a_potential():
+    sphere, sheet, outer = 0.5, 1.0, -0.5
+    low, high = spheres(sphere, sheet, SALT, (1.0, 2.0)), spheres(sheet, outer, SALT, (2.0, 3.0))
+    exact = {"charge": low["of outer"] + high["charge"], "energy": low["energy"] + high["energy"]}
+    for n, layers in ((3, 6), (4, 4)):  # with edges that are straightened, and without
+        mesh = shell_with_sheet(n, layers)
+        for order, kind in ((2, "potential"), (1, "potential"), (2, "charge")):
+            goals = ["charge", "energy"] if kind == "potential" else ["energy"]
+            text = (f'[solver]\norder = {order}\n[estimator]\ngoals = {json.dumps(goals)}\ngoal_patch = "sheet"\n'
+                    + boundary(sphere=("potential", sphere), sheet=(kind, sheet), outer=("potential", outer)))
+            for name, goal in goals_of(solve(text, mesh)[0]).items():
+                if order == 1 or kind == "charge":
+                    assert "the curvature of patch sheet" in goal["error_withheld"], goal
+                    continue
+                error = abs(goal["corrected"] - exact[name])
+                assert error < goal["error_bar"] < 0.02 * abs(exact[name]), (n, name, goal, exact)
 
 
 @of_one_process
@@ -206,7 +250,19 @@ def test_bars_of_second_order_hold_where_the_potential_is_even_about_the_middle(
         report, _ = solve(head + boundary(zmin=("potential", 1), zmax=("potential", 0.8)), cube(n))
         for name, goal in goals_of(report).items():
             error = abs(goal["corrected"] - exact[name])
-            assert error < goal["error_bar"] < max(30 * error, 1e-8), (n, goal, exact[name])
+            assert error < goal["error_bar"] < max(50 * error, 1e-8), (n, goal, exact[name])
+
+
+@of_one_process
+def test_bars_of_second_order_mean_something_where_a_plate_is_split_off_whose_layer_no_cell_resolves():
+    # Plates at 15 and 0: 1 = integral of dpsi / sqrt(2 (cosh psi - 1) + slope^2) from 0 to 15. Bars were a million times
+    # the charge, when fourth order was taken from second by the equation without a limit.
+    slope = 4.534645767620099
+    exact = {"charge": -slope, "force-z": -slope ** 2 / 2}
+    text = ('[plate]\npatch = "zmin"\n[equation]\nsplit = true\n[solver]\norder = 2\n[estimator]\ngoals = ["charge", "force-z"]\n'
+            'goal_patch = "zmax"\n' + boundary(zmin=("potential", 15), zmax=("potential", 0)))
+    for name, goal in goals_of(solve(text, cube(4))[0]).items():
+        assert abs(goal["corrected"] - exact[name]) < goal["error_bar"] < 0.02 * abs(exact[name]), (goal, exact[name])
 
 
 @of_one_process

@@ -17,13 +17,14 @@ void GoalRest::add_square(std::size_t cell, double value, double decay) {
 }
 
 double GoalRest::bar(const par::Comm& comm) const {
-  std::array<par::ExactSum, 2> sums;
+  std::array<par::ExactSum, 3> sums;
   for (std::size_t c = 0; c < mean.size(); ++c) {
-    sums[0].add(mean[c]);
-    sums[1].add(spread[c] * spread[c]);
+    sums[mean[c] > 0 ? 0 : 1].add(mean[c]);
+    sums[2].add(spread[c] * spread[c]);
   }
   const auto totals = par::reproducible_sums(comm, sums);
-  return std::abs(totals[0]) + 2 * std::sqrt(totals[1]) + unsolved;
+  const double added = totals[0], taken = totals[1];
+  return std::abs(added + taken) + 2 * std::sqrt(totals[2] + 0.25 * (added * added + taken * taken)) + unsolved;
 }
 
 }  // namespace pamr::poisson_boltzmann

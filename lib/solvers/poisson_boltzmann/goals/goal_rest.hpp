@@ -18,10 +18,13 @@ double further_orders(double ratio);
 /// taken to go on as the orders before: u - u3 is `decay` of u times e3, what third order adds to second, w - w3
 /// likewise. That gives the size of what a cell adds, the product of the energy norms, not its sign. Each cell is taken
 /// to add a random number: its mean is what the product a(e3, w3) on the cell gives with its sign, which counts where
-/// all cells err alike, its standard deviation is the product of the norms, the largest value that it can have. So
-/// the rest of the goal has the mean sum mean_K and the variance sum spread_K^2, and the bar is
+/// all cells err alike, its standard deviation is the product of the norms, the largest value that it can have.
 ///
-///     |sum mean_K| + 2 sqrt(sum spread_K^2) + unsolved
+/// The means have an error that does not average out, as the orders of all cells go on after third in like ways: an
+/// extrapolated sum is taken to lie between 0 and twice itself, so that its standard deviation is half of it. Cells that
+/// add and cells that take away are apart in most cases, at different walls, and have such an error each. So the bar is
+///
+///     |sum mean_K| + 2 sqrt(sum spread_K^2 + (sum of mean_K > 0)^2/4 + (sum of mean_K < 0)^2/4) + unsolved
 ///
 /// with two standard deviations as everywhere, none of it fitted to known errors.
 struct GoalRest {
@@ -36,7 +39,7 @@ struct GoalRest {
   /// What remains of a quantity of e squared whose value with e3 on this cell is known: the square of the further
   /// orders, and twice their product with e3.
   void add_square(std::size_t cell, double value, double decay);
-  /// Collective: two exact sums.
+  /// Collective: three exact sums.
   double bar(const par::Comm& comm) const;
 };
 
