@@ -5,9 +5,10 @@
 #
 #   goal_loop.sh CASE.toml LEVEL0.hdf FOLDER RANKS LEVELS MAX_CELLS CRITERION...
 #
-# LEVELS refinements at most; CRITERION are options of pamr-mark, of which --shape-floor is for pamr-refine too; refined meshes stay within MAX_CELLS, which may be several
-# numbers with commas between, one for each refinement (the last serves all further ones). Leaves
-# FOLDER/level<i>.hdf (the mesh with its solution) and the reports solve<i>.json, mark<i>.json, refine<i>.json.
+# LEVELS refinements at most; CRITERION are options of pamr-mark, of which --shape-floor is for pamr-refine too; refined
+# meshes stay within MAX_CELLS, which may be several numbers with commas between, one for each refinement (the last
+# serves all further ones). Leaves FOLDER/level<i>.hdf (the mesh with its solution) and the reports solve<i>.json,
+# mark<i>.json, refine<i>.json. `pamr-pb --levels` does the same in one command, with marks of its own.
 set -euo pipefail
 
 case_file=$1 mesh=$2 out=$3 ranks=$4 levels=$5
