@@ -228,7 +228,8 @@ bool are_in_one_plane(const std::vector<FeatureCurve>& curves, double radius) {
                      [&](Vec3 p) { return std::abs(geometry::dot(p - a, normal)) <= 1e-6 * radius * length; });
 }
 
-/// Pieces of the domain, and patches: one for each piece, or for each CAD surface, which may have several faces.
+/// Pieces of the domain, and patches: one for each piece or each named part, which may have several, or for each CAD
+/// surface, which may have several faces.
 void add_pieces(const std::shared_ptr<const Pieces>& pieces, const Bodies& bodies, const Combination& c,
                 Domain& domain) {
   std::vector<int> patch_of_surface(c.surfaces->name.size(), -1);
@@ -236,7 +237,12 @@ void add_pieces(const std::shared_ptr<const Pieces>& pieces, const Bodies& bodie
     const auto& surface_of_face = bodies.surface_of_face[at(piece.surface)];
     int patch = static_cast<int>(domain.patches.size());
     if (surface_of_face.empty()) {
-      domain.patches.push_back({piece.name, "patch", bodies.first[at(piece.surface)]});
+      const auto same = std::find_if(domain.patches.begin(), domain.patches.end(), [&](const mesh::Patch& known) {
+        return known.name == piece.name && known.surface == bodies.first[at(piece.surface)];
+      });
+      patch = static_cast<int>(same - domain.patches.begin());
+      if (same == domain.patches.end())
+        domain.patches.push_back({piece.name, "patch", bodies.first[at(piece.surface)]});
     } else {
       const int surface = surface_of_face[at(std::max(0, piece.number))];
       auto& known = patch_of_surface[at(surface)];

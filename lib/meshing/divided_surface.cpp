@@ -15,6 +15,7 @@ class DividedTriangulation final : public DividedSurface {
 
   std::size_t n_pieces() const override { return whole_.n_patches(); }
   std::shared_ptr<const geometry::Surface> piece(int number) const override { return whole_.piece(number); }
+  std::string part_of(int number) const override { return whole_.part_of(number); }
   int piece_at(Vec3 point) const override { return whole_.piece_at(point); }
   void for_each_sample(const std::function<void(int, Vec3)>& use) const override {
     whole_.for_each_triangle([&](int piece, Vec3 middle) { use(piece, whole_.project(middle)); });

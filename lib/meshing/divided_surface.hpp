@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "pamr/geometry/surface.hpp"
@@ -25,6 +26,8 @@ class DividedSurface {
   virtual std::size_t n_pieces() const = 0;
   /// The piece alone, as a surface.
   virtual std::shared_ptr<const geometry::Surface> piece(int number) const = 0;
+  /// Name of the part of its file that the piece belongs to; empty where that has none.
+  virtual std::string part_of(int /*number*/) const { return {}; }
   /// Number of the piece that is nearest to a point.
   virtual int piece_at(geometry::Vec3 point) const = 0;
   /// Calls `use` with some points of each piece, on it or near it.

@@ -35,10 +35,25 @@ Pieces::Pieces(const std::shared_ptr<const Solid>& solid, const SurfaceSamples& 
     if (whole != nullptr && whole->n_pieces() > 1) {
       add_pieces(i, *whole, samples[pamr::at(i)]);
     } else {
-      piece_.push_back({i, &solid->surface(i), -1, solid->name(i)});
+      piece_.push_back({i, &solid->surface(i), -1, solid->name(i), {}});
     }
   }
   first_.push_back(static_cast<int>(piece_.size()));
+}
+
+std::string Pieces::name_of(int i, const std::string& part, int number) const {
+  if (!part.empty())
+    for (const auto& piece : piece_)
+      if (piece.surface == i && piece.part == part) return piece.name;
+  const auto is_taken = [&](const std::string& name) {
+    for (int j = 0; j < solid_->n_surfaces(); ++j)
+      if (j != i && solid_->name(j) == name) return true;
+    return std::any_of(piece_.begin(), piece_.end(), [&](const Piece& piece) { return piece.name == name; });
+  };
+  auto name = part.empty() ? fmt::format("{}_{}", solid_->name(i), number + 1) : part;
+  if (!part.empty() && is_taken(name)) name = solid_->name(i) + "_" + part;
+  while (is_taken(name)) name += '_';
+  return name;
 }
 
 void Pieces::add_pieces(int i, const DividedSurface& whole, const std::vector<Vec3>& samples) {
@@ -62,7 +77,8 @@ void Pieces::add_pieces(int i, const DividedSurface& whole, const std::vector<Ve
     const auto number = static_cast<int>(p);
     number_[pamr::at(i)][p] = static_cast<int>(piece_.size());
     alone_.push_back(whole.piece(number));
-    piece_.push_back({i, alone_.back().get(), number, fmt::format("{}_{}", solid_->name(i), number + 1)});
+    const auto part = whole.part_of(number);
+    piece_.push_back({i, alone_.back().get(), number, name_of(i, part, number), part});
   }
 }
 

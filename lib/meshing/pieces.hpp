@@ -24,7 +24,9 @@ class Pieces {
     int surface = 0;
     const geometry::Surface* shape = nullptr;  ///< of the piece alone
     int number = -1;                           ///< among those of a divided surface, -1 for a surface in one piece
-    std::string name;                          ///< of the patch: of the surface, or NAME_1, NAME_2, ... of its pieces
+    /// Of the patch: of the surface, NAME_1, NAME_2, ... of its pieces, or of their part, which may be several pieces.
+    std::string name;
+    std::string part;  ///< its name in the file of the surface, or empty
   };
   const std::vector<Piece>& all() const { return piece_; }
 
@@ -46,6 +48,7 @@ class Pieces {
   const std::vector<geometry::Vec3>& crease_corners() const { return creases_.corners; }
 
  private:
+  std::string name_of(int i, const std::string& part, int number) const;
   void add_pieces(int i, const DividedSurface& whole, const std::vector<geometry::Vec3>& samples);
 
   std::shared_ptr<const Solid> solid_;

@@ -137,7 +137,7 @@ void read_sizes(const TomlTable& sizes, Combination& c) {
 
 Combination read_combination(const TomlTable& file, const TomlTable& mesh, const std::string& where) {
   Combination c;
-  c.surfaces = std::make_shared<const geometry::SurfaceSet>(geometry::surfaces_of_case(file, where));
+  c.surfaces = std::make_shared<const geometry::SurfaceSet>(geometry::surfaces_of_case(file, where, true));
   if (c.surfaces->size() == 0) throw Error(where + ": expected tables [[surface]] for shape \"surfaces\", found none");
   c.region = mesh.text("region", "\"+NAME & -NAME ...\"");
   require_region(mesh, c, where);

@@ -45,6 +45,46 @@ def refine(name, levels, *marks):
     return names
 
 
+def write_solids(name, solids):
+    """A text STL of several solids: name and triangles of each."""
+    lines = []
+    for solid, triangles in solids:
+        corners = ["".join("vertex {!r} {!r} {!r}\n".format(*p) for p in triangle) for triangle in triangles]
+        lines += [f"solid {solid}", *(f"facet normal 0 0 0\nouter loop\n{c}endloop\nendfacet" for c in corners), f"endsolid {solid}"]
+    pathlib.Path(name).write_text("\n".join(lines) + "\n")
+
+
+def quarter_sides(axis, value):
+    """A side of a cube of side 1 about 0 as four squares, each of two triangles seen from outside."""
+    def point(*uv):
+        at = [value] * 3
+        for k, x in zip((k for k in range(3) if k != axis), uv):
+            at[k] = x
+        return tuple(at)
+
+    for u, v in ((-.5, -.5), (-.5, 0), (0, -.5), (0, 0)):
+        a, b, c, d = point(u, v), point(u + .5, v), point(u + .5, v + .5), point(u, v + .5)
+        both = [(a, b, c), (a, c, d)]
+        yield [t[::-1] for t in both] if (value > 0) != (axis != 1) else both
+
+
+def test_named_solids_of_an_stl_file_are_patches_whose_borders_stay():
+    sides = {name: list(quarter_sides(axis, value)) for name, axis, value in (
+        ("west", 0, -.5), ("east", 0, .5), ("south", 1, -.5), ("north", 1, .5), ("floor", 2, -.5), ("lid", 2, .5))}
+    west = sides["west"]
+    rest = sum(west[1:], []) + sum((t for name in list(sides)[1:] for t in sides[name]), [])
+    write_solids("six.stl", [(name, sum(squares, [])) for name, squares in sides.items()])
+    write_solids("two.stl", [("in let", west[0]), ("wall", rest)])
+    for name, expected in ("six", sorted(sides)), ("two", ["in let", "wall"]):
+        told = run("pamr-mesh", case(f"{name}.toml", "-body", [[-1] * 3, [1] * 3], "far = 0.4", body_toml(f"{name}.stl")), "-o", f"{name}.hdf", serial=True)
+        assert sorted(patches(f"{name}.hdf")[1]) == expected and "left out" not in told.err, told.err
+    for mesh in refine("two.hdf", 1, "--patch", "in let"):
+        at, nodes = patches(mesh)
+        border = at[np.intersect1d(nodes["in let"], nodes["wall"])]
+        assert (at[nodes["in let"]][:, 0] == -.5).all() and (at[nodes["in let"]][:, 1:] <= 0).all()
+        assert ((border[:, 1:] == 0) | (border[:, 1:] == -.5)).any(axis=1).all() and len(border) >= 8, border
+
+
 @of_full_level
 def test_nodes_on_a_coarse_sphere_are_nearer_to_the_ball_than_its_triangles():
     points, triangles = icosphere(2)

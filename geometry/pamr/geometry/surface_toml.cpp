@@ -69,8 +69,12 @@ std::vector<PolynomialSegment> read_segments(const TomlTable& surface, const std
   return segments;
 }
 
-/// The triangles of the surface that a table describes.
-using FindTriangles = std::function<std::shared_ptr<const Triangulation>(const TomlTable& surface, bool open_allowed)>;
+/// The triangles of the surface that a table describes, and their named parts; null: none.
+struct Triangles {
+  std::shared_ptr<const Triangulation> surface;
+  std::shared_ptr<const NamedParts> parts;
+};
+using FindTriangles = std::function<Triangles(const TomlTable& surface, bool open_allowed)>;
 
 /// The texts of CAD files, and the shapes made of them so far.
 class CadShelf {
@@ -147,6 +151,43 @@ std::shared_ptr<const Surface> read_cad_surface(const TomlTable& surface, const 
   return std::make_shared<CadSurface>(model, read_faces(surface, *model));
 }
 
+/// Edges between named parts, as points from 0 on, two by two: how these borders travel with a mesh.
+constexpr const char* border_edges_key = "border_edges";
+
+std::vector<std::array<int, 2>> read_border_edges(const TomlTable& surface, const Triangulation& triangles) {
+  const auto points = surface.integers(border_edges_key, 0, std::ssize(triangles.points) - 1);
+  if (points.size() % 2 != 0) surface.refuse(border_edges_key, "two points for each edge");
+  std::vector<std::array<int, 2>> edges;
+  for (std::size_t i = 0; i < points.size(); i += 2)
+    edges.push_back({static_cast<int>(points[i]), static_cast<int>(points[i + 1])});
+  return edges;
+}
+
+/// Puts a line into the n-th table `[[surface]]` of a description, below its head. Throws `Error` where that table is
+/// written otherwise.
+void add_to_surface(std::string& toml, int n, const std::string& line, const std::string& file) {
+  std::size_t begin = 0;
+  for (int seen = 0; begin < toml.size();) {
+    const auto end = std::min(toml.find('\n', begin), toml.size());
+    auto head = toml.substr(begin, std::min(end, toml.find('#', begin)) - begin);
+    std::erase_if(head, [](char c) { return c == ' ' || c == '\t' || c == '\r'; });
+    if (head == "[[surface]]" && seen++ == n) {
+      toml.insert(end, "\n" + line);
+      return;
+    }
+    begin = end + 1;
+  }
+  throw Error(fmt::format("{}: expected tables [[surface]] for a file of several named solids", file));
+}
+
+std::string border_edges_line(const std::vector<std::array<int, 2>>& edges) {
+  constexpr std::size_t in_a_line = 10;
+  std::string text = fmt::format("{} = [", border_edges_key);
+  for (std::size_t i = 0; i < edges.size(); ++i)
+    text += fmt::format("{}{}, {}", i == 0 ? "" : i % in_a_line == 0 ? ",\n  " : ", ", edges[i][0], edges[i][1]);
+  return text + "]";
+}
+
 /// The file must be named even when the triangles come from elsewhere.
 std::shared_ptr<const Surface> read_triangulated(const TomlTable& surface, const FindTriangles& find_triangles) {
   surface.text("file", "the name of a file of triangles");
@@ -156,7 +197,10 @@ std::shared_ptr<const Surface> read_triangulated(const TomlTable& surface, const
   options.crease.shortest = surface.number_or("shortest_crease", options.crease.shortest);
   options.open_allowed = surface.flag_or("open", options.open_allowed);
   if (surface.has("near")) options.near = surface.point<Vec3>("near");
-  return std::make_shared<Triangulated>(find_triangles(surface, options.open_allowed), options);
+  auto triangles = find_triangles(surface, options.open_allowed);
+  if (surface.has(border_edges_key)) options.crease.borders = read_border_edges(surface, *triangles.surface);
+  options.parts = std::move(triangles.parts);
+  return std::make_shared<Triangulated>(std::move(triangles.surface), options);
 }
 
 std::shared_ptr<const Surface> read_surface(const TomlTable& t, const std::string& title, const Sources& sources) {
@@ -213,12 +257,12 @@ SurfaceSet surfaces_from_toml(std::string_view text, std::string_view where,
   const std::string file(where);
   const auto root = parse_toml(text, file);
   Sources sources;
-  sources.triangles = [&](const TomlTable& surface, bool) {
+  sources.triangles = [&](const TomlTable& surface, bool) -> Triangles {
     const auto name = surface.text("name");
     const auto data = std::find_if(triangulations.begin(), triangulations.end(),
                                    [&](const auto& candidate) { return candidate->name == name; });
     if (data == triangulations.end()) surface.fail("expected its triangles beside the description, found none");
-    return *data;
+    return {*data, nullptr};
   };
   CadShelf shelf;
   for (const auto& table : root.list("cad"))
@@ -237,16 +281,24 @@ SurfaceSet surfaces_from_toml(std::string_view text, std::string_view where,
   return set;
 }
 
-SurfaceSet surfaces_of_case(const TomlTable& root, const std::string& where) {
+SurfaceSet surfaces_of_case(const TomlTable& root, const std::string& where, Exact<bool> with_parts) {
   std::vector<std::shared_ptr<const Triangulation>> read;
+  std::vector<std::pair<std::string, std::vector<std::array<int, 2>>>> borders;
   const auto path_of = [&where](const TomlTable& surface) {
     return std::filesystem::path(where).parent_path() / surface.text("file");
   };
   Sources sources;
-  sources.triangles = [&](const TomlTable& surface, bool open_allowed) {
-    auto triangles = read_triangulation(path_of(surface), open_allowed);
+  sources.triangles = [&](const TomlTable& surface, bool open_allowed) -> Triangles {
+    auto [triangles, found, rest] =
+        with_parts ? read_named_triangulation(path_of(surface), open_allowed)
+                   : NamedTriangulation{read_triangulation(path_of(surface), open_allowed), {}, {}};
     triangles.name = surface.text("name");
-    return read.emplace_back(std::make_shared<const Triangulation>(std::move(triangles)));
+    std::shared_ptr<const NamedParts> parts;
+    if (!found.name.empty()) {
+      borders.emplace_back(triangles.name, borders_of(triangles, found.part));
+      parts = std::make_shared<const NamedParts>(std::move(found));
+    }
+    return {read.emplace_back(std::make_shared<const Triangulation>(std::move(triangles))), parts};
   };
   CadShelf shelf;
   sources.shelf = &shelf;
@@ -261,6 +313,8 @@ SurfaceSet surfaces_of_case(const TomlTable& root, const std::string& where) {
   auto set = read_set(root, where, sources);
   set.toml = root.source_of("surface");
   set.toml.erase(0, std::min(set.toml.find_first_not_of('\n'), set.toml.size()));
+  for (const auto& [name, edges] : borders)
+    if (!edges.empty()) add_to_surface(set.toml, set.index_of(name), border_edges_line(edges), where);
   if (!shelf.sources().empty() && !set.toml.empty() && set.toml.back() != '\n') set.toml += '\n';
   for (const auto& source : shelf.sources()) set.toml += "\n" + cad_table(source);
   set.triangulations = std::move(read);

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "pamr/base/exact.hpp"
 #include "pamr/base/toml_table.hpp"
 #include "pamr/geometry/surface_set.hpp"
 #include "pamr/geometry/vec3.hpp"
@@ -22,8 +23,9 @@ SurfaceSet surfaces_from_toml(std::string_view text, std::string_view where,
 
 /// The surfaces of a case file: its tables `[[surface]]`, which become the description, each from its line on.
 /// Triangles come from the files that they name; a relative `file` counts from the folder of `where`. Unknown keys are
-/// left to `finish` of the file.
-SurfaceSet surfaces_of_case(const TomlTable& file, const std::string& where);
+/// left to `finish` of the file. `with_parts`: the named parts of a file of triangles (`read_named_triangulation`) divide it,
+/// and the description gets their borders.
+SurfaceSet surfaces_of_case(const TomlTable& file, const std::string& where, Exact<bool> with_parts = false);
 
 /// The keys that describe a plane, `separator` between them.
 std::string plane_keys(const std::string& name, Vec3 point, Vec3 normal, std::string_view separator);

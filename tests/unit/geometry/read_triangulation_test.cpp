@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
@@ -346,6 +347,102 @@ TEST(SurfaceFile, RefusesTheSameFaultsInEveryFormat) {
 TEST(SurfaceFile, RefusesFilesThatAreNotThere) {
   EXPECT_THROW(read_triangulation("no/such/file.stl"), Error);
   EXPECT_THROW(read_triangulation(std::filesystem::temp_directory_path()), Error);
+}
+
+/// A folder of its own for files of a test, which it takes away.
+class Folder {
+ public:
+  Folder() {
+    std::string name = (std::filesystem::temp_directory_path() / "pamr-surface-XXXXXX").string();
+    EXPECT_NE(mkdtemp(name.data()), nullptr);
+    path_ = name;
+  }
+  ~Folder() { std::filesystem::remove_all(path_); }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+  Folder(Folder&&) = delete;
+  Folder& operator=(Folder&&) = delete;
+
+  std::filesystem::path write(const std::string& file, const std::string& text) const {
+    std::ofstream(path_ / file) << text;
+    return path_ / file;
+  }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// A text STL of a tetrahedron, each face in a solid of that name.
+std::string tetrahedron_of_solids(const std::array<std::string, 4>& names) {
+  const std::array<std::string, 4> corner{"vertex 0 0 0\n", "vertex 1 0 0\n", "vertex 0 1 0\n", "vertex 0 0 1\n"};
+  constexpr std::array<std::array<std::size_t, 3>, 4> faces{{{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}};
+  std::string text;
+  for (std::size_t f = 0; f < 4; ++f) {
+    const auto& [a, b, c] = faces[f];
+    text += "solid " + names[f] + "\nfacet normal 0 0 0\nouter loop\n" + corner[a] + corner[b] + corner[c] +
+            "endloop\nendfacet\nendsolid " + names[f] + "\n";
+  }
+  return text;
+}
+
+TEST(SurfaceFile, HasSolidsOfStlAndGroupsOfObjAsNamedParts) {
+  const Folder folder;
+  const auto named = [&](const std::string& file, const std::string& text) {
+    return read_named_triangulation(folder.write(file, text));
+  };
+
+  const auto stl = named("a.stl", tetrahedron_of_solids({"in let", "wall", "in let", ""}));
+  EXPECT_THAT(stl.parts.name, ElementsAre("in let", "wall", ""));
+  EXPECT_THAT(stl.parts.part, ElementsAre(0, 1, 0, 2));
+  EXPECT_EQ(stl.surface.remarks, std::vector<std::string>());
+  const auto obj = named("a.obj",
+                         "vn 0 0 1\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 1 1 0\nf 1 3 5 2\no side\nf 1 2 4\n"
+                         "f 1 4 3\ng none\ng top\nf 2 5 4\nf 5 3 4\n");
+  EXPECT_THAT(obj.parts.name, ElementsAre("", "side", "top"));
+  EXPECT_THAT(obj.parts.part, ElementsAre(0, 0, 1, 1, 2, 2));
+  EXPECT_THAT(obj.surface.remarks, ElementsAre("left out: 1 normal"));
+  const auto one = named("a.stl", tetrahedron_of_solids({"a", "a", "a", "a"}));
+  EXPECT_TRUE(one.parts.name.empty());
+  EXPECT_THAT(one.surface.remarks, ElementsAre(HasSubstr("the names of 4 solids")));
+  EXPECT_TRUE(named("a.off", tetrahedron).parts.name.empty());
+  EXPECT_TRUE(named("b.stl", ::pamr::testing::as_stl_bytes(::pamr::testing::icosphere(0))).parts.name.empty());
+}
+
+TEST(SurfaceFile, NamesPartsThatHaveFacesInCommon) {
+  const Folder folder;
+  const std::string points = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 0 0 -1\n";
+  const std::string above = "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n", below = "f 1 2 3\nf 1 5 2\nf 1 3 5\nf 2 5 3\n";
+  const auto read = [&](const std::string& text) { return read_named_triangulation(folder.write("a.obj", text)); };
+
+  EXPECT_THAT([&] { read(points + "g above\n" + above + "g below\n" + below); },
+              ::testing::ThrowsMessage<Error>(AllOf(HasSubstr("parts \"above\" and \"below\""), HasSubstr("found 4"))));
+  EXPECT_THAT([&] { read(points + "g both\n" + above + below); },
+              ::testing::ThrowsMessage<Error>(HasSubstr("non-manifold")));
+}
+
+TEST(SurfacesFromToml, KeepsTheBordersOfNamedPartsInItsText) {
+  const Folder folder;
+  folder.write("four.stl", tetrahedron_of_solids({"a", "b", "a", "b"}));
+  const std::string text =
+      "# [[surface]]\n[[surface]]\nname = \"ball\"\nkind = \"sphere\"\ncenter = [0, 0, 0]\nradius = 9\n [[ surface ]] "
+      "# "
+      "two\nname = \"body\"\nkind = \"triangulation\"\nfile = \"four.stl\"\nfeature_angle = 180\n";
+  const auto where = folder.write("case.toml", text).string();
+  const auto made = surfaces_of_case(parse_toml(text, where), where, true);
+  const auto read = surfaces_from_toml(made.toml, "mesh", made.triangulations);
+
+  EXPECT_THAT(made.toml, HasSubstr("[[ surface ]] # two\nborder_edges = ["));
+  EXPECT_TRUE(made.triangulations[0]->remarks.empty());
+  const auto pieces = [](const SurfaceSet& set) {
+    return dynamic_cast<const Triangulated&>(*set.find("body")).n_patches();
+  };
+  EXPECT_EQ(pieces(made), 2U);
+  EXPECT_EQ(pieces(read), 2U);
+  EXPECT_EQ(pieces(surfaces_of_case(parse_toml(text, where), where)), 1U);
+  for (const auto* edges : {"[0]", "[0, 4]", "[-1, 0]", "[0, 0]"}) {
+    const auto wrong = [&] { surfaces_from_toml(text + "border_edges = " + edges, "mesh", made.triangulations); };
+    EXPECT_THAT(wrong, ::testing::ThrowsMessage<Error>(HasSubstr("border_edges"))) << edges;
+  }
 }
 
 TEST(SurfacesFromToml, TakesTrianglesFromFilesBesideTheTextOrFromTheMesh) {

@@ -6,6 +6,8 @@
 
 #include <cmath>
 #include <functional>
+#include <memory>
+#include <utility>
 
 #include "pamr/base/error.hpp"
 #include "pamr/geometry/triangulated/self_intersection.hpp"
@@ -211,6 +213,70 @@ TEST(Triangulated, TakesCreasesThatAreGiven) {
   options.crease.given.push_back({{1, 1, 1}, {-1, -0.9, 1}});
   EXPECT_THAT([&] { Triangulated(testing::bored_cube(24), options); },
               ::testing::ThrowsMessage<Error>(::testing::HasSubstr("segment 1 of polyline 7")));
+}
+
+/// Two parts of a sphere about one of its corners: the triangles whose middles lie higher than `height` over its center.
+std::shared_ptr<const NamedParts> cap_and_rest(const Triangulation& sphere, double height) {
+  NamedParts parts{{"cap", "rest"}, {}};
+  const auto point = [&](int p) { return sphere.points[static_cast<std::size_t>(p)]; };
+  for (const auto& [a, b, c] : sphere.triangles)
+    parts.part.push_back(dot((1.0 / 3) * (point(a) + point(b) + point(c)), point(0)) > height ? 0 : 1);
+  return std::make_shared<const NamedParts>(std::move(parts));
+}
+
+TEST(Triangulated, StaysSmoothWhereNamedPartsMeet) {
+  const auto triangles = testing::icosphere(2);
+  for (const double height : {0.0, 0.9}) {  // a large circle of 20 edges, a small one of 10
+    Triangulated::Options options;
+    options.parts = cap_and_rest(triangles, height);
+    const Triangulated surface(triangles, options), without(triangles, {});
+
+    double flat = 0, curved = 0, normals = 0;
+    for_points_of(triangles, [&](Vec3 p) {
+      const Vec3 q = surface.project(p);
+      flat = std::max(flat, distance_from_ball(p));
+      curved = std::max(curved, distance_from_ball(q));
+      normals = std::max(normals, norm(surface.normal(q) - (1 / norm(q)) * q));
+    });
+
+    EXPECT_EQ(surface.n_patches(), 2U);
+    ASSERT_EQ(surface.crease_net().lines().size(), 1U);
+    EXPECT_TRUE(surface.crease_net().lines()[0].is_closed());
+    EXPECT_EQ(surface.n_creases(), height > 0 ? 10U : 20U);
+    for (const Vec3 p : surface.crease_net().lines()[0].polyline) EXPECT_LT(distance_from_ball(p), 2e-3) << height;
+    EXPECT_GT(flat / curved, height > 0 ? 5 : 50);
+    EXPECT_LT(normals, height > 0 ? 0.05 : 0.005);
+    EXPECT_EQ(surface.part_of(surface.piece_at(triangles.points[0])), "cap");
+    EXPECT_EQ(surface.part_of(surface.piece_at(-triangles.points[0])), "rest");
+    EXPECT_EQ(surface.piece(0)->part_of(0), "");
+    EXPECT_EQ(surface.project(-triangles.points[0]), without.project(-triangles.points[0]));
+  }
+}
+
+TEST(Triangulated, KeepsBordersOfPartsSharpWhereTheyAreSharpWithoutNames) {
+  const auto cube = testing::bored_cube(24);
+  NamedParts parts{{"upper", "lower"}, {}};
+  for (const auto& triangle : cube.triangles) {
+    double height = 0;
+    for (const int p : triangle) height += cube.points[static_cast<std::size_t>(p)].z;
+    parts.part.push_back(height > 2.9 ? 0 : 1);  // the upper face
+  }
+  Triangulated::Options options;
+  options.parts = std::make_shared<const NamedParts>(parts);
+  const Triangulated surface(cube, options), without(cube, {});
+
+  EXPECT_EQ(surface.n_patches(), without.n_patches());
+  EXPECT_EQ(surface.n_creases(), without.n_creases());
+  for (const Vec3 p : {Vec3{0.9, 0.9, 1.2}, {0.4, 0, 0.3}, {-1.2, 0.3, 0.3}, {0.5, 0.1, 1.1}})
+    EXPECT_EQ(surface.project(p), without.project(p));
+}
+
+TEST(Triangulated, RefusesBordersThatAreNoEdges) {
+  Triangulated::Options options;
+  options.crease.borders = {{0, 0}};
+
+  EXPECT_THAT([&] { Triangulated(testing::icosphere(0), options); },
+              ::testing::ThrowsMessage<Error>(::testing::HasSubstr("border_edges: expected the two points of edges")));
 }
 
 /// A sphere with one crease of two edges in it.

@@ -39,12 +39,15 @@ class Finder {
       facet_.push_back(unit(cross(point(t, 1) - a, point(t, 2) - a)));
     }
     mark_given();
+    mark_borders();
     find_creases();
     find_patches();
     drop_short();
     find_planes();
+    find_smooth_borders();
     find_tangents();
     find_normals();
+    lay_borders_on_surface();
     return std::move(result_);
   }
 
@@ -63,6 +66,29 @@ class Finder {
               fmt::format("creases: expected polylines along edges of the triangles, found none on segment {} of "
                           "polyline {}",
                           i + 1, line + 1));
+  }
+
+  void mark_borders() {
+    is_border_.assign(surface_.triangles.size(), {false, false, false});
+    if (options_.borders.empty()) return;
+    std::vector<std::array<int, 2>> wanted;
+    for (const auto& [a, b] : options_.borders) wanted.push_back({std::min(a, b), std::max(a, b)});
+    std::sort(wanted.begin(), wanted.end());
+    wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());
+    std::vector<char> is_found(wanted.size(), 0);
+    for (std::size_t t = 0; t < surface_.triangles.size(); ++t)
+      for (std::size_t k = 0; k < 3; ++k) {
+        const auto ends = std::minmax(surface_.triangles[t][k], surface_.triangles[t][(k + 1) % 3]);
+        const std::array<int, 2> edge{ends.first, ends.second};
+        const auto place = std::lower_bound(wanted.begin(), wanted.end(), edge);
+        if (place == wanted.end() || *place != edge) continue;
+        is_border_[t][k] = true;
+        is_found[static_cast<std::size_t>(place - wanted.begin())] = 1;
+      }
+    for (std::size_t i = 0; i < wanted.size(); ++i)
+      if (is_found[i] == 0)
+        throw Error(fmt::format("border_edges: expected the two points of edges, from 0 on, found {} and {}",
+                                wanted[i][0], wanted[i][1]));
   }
 
   bool mark_segment(Vec3 a, Vec3 b, double near) {
@@ -126,14 +152,19 @@ class Finder {
         if (crease >= 0) crease = new_number[at(crease)];
   }
 
+  /// Whether the surface ends at an edge, or is not smooth there.
+  bool is_sharp(std::size_t t, std::size_t k) const {
+    const int other = result_.neighbor[t][k].triangle;
+    return other < 0 || dot(facet_[t], facet_[at(other)]) < cosine_ || is_given_[t][k];
+  }
+
   void find_creases() {
     const auto n = surface_.triangles.size();
     result_.crease_at.assign(n, {-1, -1, -1});
     for (std::size_t t = 0; t < n; ++t)
       for (std::size_t k = 0; k < 3; ++k) {
         const auto [other, edge] = result_.neighbor[t][k];
-        const bool is_sharp = other < 0 || dot(facet_[t], facet_[at(other)]) < cosine_ || is_given_[t][k];
-        if (!is_sharp || (other >= 0 && at(other) < t)) continue;
+        if (!(is_sharp(t, k) || is_border_[t][k]) || (other >= 0 && at(other) < t)) continue;
         const auto number = static_cast<int>(result_.creases.size());
         result_.creases.push_back({{surface_.triangles[t][k], surface_.triangles[t][(k + 1) % 3]}, {}});
         result_.crease_at[t][k] = number;
@@ -188,6 +219,23 @@ class Finder {
         }
   }
 
+  void find_smooth_borders() {
+    is_smooth_.assign(result_.creases.size(), 0);
+    for (std::size_t t = 0; t < facet_.size(); ++t)
+      for (std::size_t k = 0; k < 3; ++k) {
+        const int crease = result_.crease_at[t][k], other = result_.neighbor[t][k].triangle;
+        if (crease < 0 || is_sharp(t, k)) continue;
+        const bool is_flat =
+            result_.is_planar[at(result_.patch[t])] != 0 || result_.is_planar[at(result_.patch[at(other)])] != 0;
+        is_smooth_[at(crease)] = is_flat ? 0 : 1;
+      }
+  }
+  /// Whether normals on the two sides of an edge have nothing to do with each other.
+  bool is_barrier(int t, std::size_t k) const {
+    const int crease = result_.crease_at[at(t)][k];
+    return crease >= 0 && is_smooth_[at(crease)] == 0;
+  }
+
   void find_tangents() {
     std::vector<std::array<int, 2>> at_point(surface_.points.size(), {-1, -1});
     std::vector<int> n_at(surface_.points.size(), 0);
@@ -221,6 +269,23 @@ class Finder {
     }
   }
 
+  /// Turns the tangents of smooth borders into the tangent planes of the surface.
+  void lay_borders_on_surface() {
+    constexpr double min_length = 0.5;  // shorter ones come from a normal that nearly follows the border
+    for (std::size_t t = 0; t < facet_.size(); ++t)
+      for (std::size_t k = 0; k < 3; ++k) {
+        const int number = result_.crease_at[t][k];
+        if (number < 0 || is_smooth_[at(number)] == 0) continue;
+        auto& crease = result_.creases[at(number)];
+        if (crease.point[0] != surface_.triangles[t][k]) continue;  // once, from the side that it runs along
+        for (std::size_t end = 0; end < 2; ++end) {
+          const Vec3 normal = result_.normal[t][(k + end) % 3];
+          const Vec3 along = crease.tangent[end] - dot(crease.tangent[end], normal) * normal;
+          if (norm(along) > min_length) crease.tangent[end] = unit(along);
+        }
+      }
+  }
+
   /// The triangles around corner k of t that no crease parts from t, with the corner that the point is of each.
   struct Sector {
     std::vector<std::array<int, 2>> members;
@@ -228,7 +293,7 @@ class Finder {
   Sector sector(int t, int k) const {
     Sector result{{{t, k}}};
     for (int a = t, b = k;;) {
-      if (result_.crease_at[at(a)][at(b)] >= 0) break;
+      if (is_barrier(a, at(b))) break;
       const auto [next, edge] = result_.neighbor[at(a)][at(b)];
       a = next;
       b = (edge + 1) % 3;
@@ -237,7 +302,7 @@ class Finder {
     }
     for (int a = t, b = k;;) {
       const auto before = at((b + 2) % 3);
-      if (result_.crease_at[at(a)][before] >= 0) break;
+      if (is_barrier(a, before)) break;
       const auto [next, edge] = result_.neighbor[at(a)][before];
       a = next;
       b = edge;
@@ -279,7 +344,7 @@ class Finder {
         for (std::size_t k = 0; k < 3; ++k) {
           const auto t = at(triangles[from]);
           const int next = result_.neighbor[t][k].triangle;
-          if (result_.crease_at[t][k] < 0 && std::find(triangles.begin(), triangles.end(), next) == triangles.end())
+          if (!is_barrier(triangles[from], k) && std::find(triangles.begin(), triangles.end(), next) == triangles.end())
             triangles.push_back(next);
         }
     std::vector<int> numbers;
@@ -301,7 +366,8 @@ class Finder {
   const Triangulation& surface_;
   const CreaseOptions& options_;
   double cosine_;
-  std::vector<std::array<bool, 3>> is_given_;
+  std::vector<std::array<bool, 3>> is_given_, is_border_;
+  std::vector<char> is_smooth_;  // by crease
   std::vector<Vec3> facet_;
   Features result_;
 };
@@ -310,6 +376,20 @@ class Finder {
 
 Features find_features(const Triangulation& surface, const CreaseOptions& options) {
   return Finder(surface, options).find();
+}
+
+std::vector<std::array<int, 2>> borders_of(const Triangulation& surface, const std::vector<int>& part) {
+  std::vector<std::array<int, 2>> result;
+  const auto neighbor = triangle_neighbors(surface);
+  for (std::size_t t = 0; t < neighbor.size(); ++t)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const int other = neighbor[t][k].triangle;
+      if (other < 0 || at(other) < t || part[t] == part[at(other)]) continue;
+      const auto ends = std::minmax(surface.triangles[t][k], surface.triangles[t][(k + 1) % 3]);
+      result.push_back({ends.first, ends.second});
+    }
+  std::sort(result.begin(), result.end());
+  return result;
 }
 
 }  // namespace pamr::geometry

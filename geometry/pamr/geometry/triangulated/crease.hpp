@@ -9,8 +9,8 @@
 
 namespace pamr::geometry {
 
-/// An edge of a triangulation that stays sharp, or one at which the surface ends: the two points, and the tangent there
-/// of the curve through the creases, along the edge from the first point to the second.
+/// An edge of a triangulation that stays sharp, one at which the surface ends, or a border of named parts: the two
+/// points, and the tangent there of the curve through the creases, along the edge from the first point to the second.
 struct Crease {
   std::array<int, 2> point{};
   std::array<Vec3, 2> tangent{};
@@ -32,6 +32,9 @@ struct CreaseOptions {
   double angle = 40;  ///< degrees between the normals of two triangles, more is a crease; 180: none by angle
   /// Creases given as polylines: every edge with both ends on one of their segments.
   std::vector<std::vector<Vec3>> given{};
+  /// Edges at which pieces end as well, the two points of each: where named parts of a file meet. Between two pieces
+  /// that are not planar such an edge is no crease in shape: the surface stays smooth there.
+  std::vector<std::array<int, 2>> borders{};
   /// Creases that end inside a piece and are shorter than this, all that hang together, are none: noise. Length unit.
   double shortest = 0;
 };
@@ -40,7 +43,11 @@ struct CreaseOptions {
 /// (`jet_normal`) over two rings of triangles on the same side of the creases, tangents from the circle through a point
 /// and its two neighbors along the crease; a crease turns freely where not exactly two meet, or where it turns by more
 /// than 75 degrees. The surface must be valid. Throws `Error` for a segment of a given crease that no edge lies on (to
-/// 1e-6 of the size of the surface). O(n log n), and O(n) for each segment of a given crease.
+/// 1e-6 of the size of the surface), and for borders that are no edges of the surface. O(n log n), and O(n) for each
+/// segment of a given crease.
 Features find_features(const Triangulation& surface, const CreaseOptions& options);
+
+/// The edges between triangles of different parts (n_triangles), the lower point first, ascending. Local, O(n log n).
+std::vector<std::array<int, 2>> borders_of(const Triangulation& surface, const std::vector<int>& part);
 
 }  // namespace pamr::geometry

@@ -102,10 +102,12 @@ void skip_numbers(SurfaceText& text, const Extra& extra) {
 
 }  // namespace
 
-Triangulation parse_obj(std::string_view bytes, const std::string& where) {
-  Triangulation surface;
+NamedTriangulation parse_obj(std::string_view bytes, const std::string& where) {
+  NamedTriangulation result;
+  auto& surface = result.surface;
   Polygons faces;
-  std::vector<std::string> parts;
+  std::vector<std::string> groups;
+  std::string group;
   OtherStatements others;
   std::int64_t n_colors = 0;
   SurfaceText text(bytes, where, '#');
@@ -127,20 +129,24 @@ Triangulation parse_obj(std::string_view bytes, const std::string& where) {
         faces.add_corner(corner_of(text, corner, surface.points.size()));
       }
       faces.end_face();
+      result.parts.part.insert(result.parts.part.end(), static_cast<std::size_t>(n - 2),
+                               part_called(result.parts, group));
     } else if (word == "g" || word == "o") {
-      auto name = text.rest_of_line();
-      if (std::find(parts.begin(), parts.end(), name) == parts.end()) parts.push_back(std::move(name));
+      group = text.rest_of_line();
+      if (std::find(groups.begin(), groups.end(), group) == groups.end()) groups.push_back(group);
     } else if (!others.count(word)) {
       text.fail("expected a statement of OBJ (v, f, vn, ...), found another");
     }
     text.skip_line();
   }
   faces.split(surface);
-  std::vector<std::string> things{names_of_parts("groups", parts)};
+  std::vector<std::string> things;
   if (n_colors > 0) things.push_back("colors of " + counted(n_colors, "point", "points"));
   others.list(things);
+  result.rest = remark_on_rest(things);
+  things.insert(things.begin(), names_of_parts("groups", groups));
   surface.remarks = remark_on_rest(things);
-  return surface;
+  return result;
 }
 
 Triangulation parse_off(std::string_view bytes, const std::string& where) {

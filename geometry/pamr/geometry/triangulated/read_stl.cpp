@@ -94,15 +94,16 @@ void skip_normal(SurfaceText& text) {
   if (!is_same_word(word, "outer")) text.fail("expected \"outer\", found another word");
 }
 
-Triangulation parse_ascii(std::string_view bytes, const std::string& where) {
+NamedTriangulation parse_ascii(std::string_view bytes, const std::string& where) {
   Welder welder;
+  NamedParts parts;
   std::vector<std::string> names;
   SurfaceText text(bytes.substr(0, bytes.find_last_not_of(padding) + 1), where);
   while (!text.at_end()) {
     text.expect("solid");
     names.push_back(text.rest_of_line());
     text.skip_line();
-    for (;;) {
+    for (int part = -1;;) {
       const auto word = text.word("\"facet\" or \"endsolid\"");
       if (is_same_word(word, "endsolid")) break;
       if (!is_same_word(word, "facet")) text.fail("expected \"facet\" or \"endsolid\", found another word");
@@ -117,11 +118,13 @@ Triangulation parse_ascii(std::string_view bytes, const std::string& where) {
       text.expect("endloop");
       text.expect("endfacet");
       welder.result.triangles.push_back(corner);
+      if (part < 0) part = part_called(parts, names.back());
+      parts.part.push_back(part);
     }
     text.skip_line();
   }
   welder.result.remarks = remark_on_rest({names_of_parts("solids", names)});
-  return std::move(welder.result);
+  return {std::move(welder.result), std::move(parts), {}};
 }
 
 bool is_text(std::string_view bytes) {
@@ -132,13 +135,14 @@ bool is_text(std::string_view bytes) {
 
 }  // namespace
 
-Triangulation parse_stl(std::string_view bytes, const std::string& where) {
+NamedTriangulation parse_stl(std::string_view bytes, const std::string& where) {
+  const auto without_names = [&] { return NamedTriangulation{parse_binary(bytes, where), {}, {}}; };
   // Binary files may begin with "solid" or a mark of byte order too, so the size decides first.
-  if (bytes_behind(bytes) == 0) return parse_binary(bytes, where);
+  if (bytes_behind(bytes) == 0) return without_names();
   bytes = without_byte_order_mark(bytes);
-  if (bytes_behind(bytes) == 0) return parse_binary(bytes, where);
+  if (bytes_behind(bytes) == 0) return without_names();
   if (is_text(bytes)) return parse_ascii(bytes, where);
-  if (facets_in_head(bytes) > 0 && bytes_behind(bytes) > 0) return parse_binary(bytes, where);
+  if (facets_in_head(bytes) > 0 && bytes_behind(bytes) > 0) return without_names();
   throw Error(
       fmt::format("{}: expected STL, \"solid\" or 84 bytes and 50 for each triangle that they announce, found {} bytes",
                   where, bytes.size()));

@@ -9,11 +9,16 @@
 #include <fstream>
 #include <iterator>
 #include <limits>
+#include <set>
+#include <span>
 
 #include "pamr/base/byte_order_mark.hpp"
 #include "pamr/base/error.hpp"
+#include "pamr/base/index.hpp"
+#include "pamr/base/listed.hpp"
 #include "pamr/geometry/parameters.hpp"
 #include "pamr/geometry/triangulated/check_triangulation.hpp"
+#include "pamr/geometry/triangulated/edge_table.hpp"
 #include "pamr/geometry/triangulated/read_obj.hpp"
 #include "pamr/geometry/triangulated/read_ply.hpp"
 #include "pamr/geometry/triangulated/read_stl.hpp"
@@ -37,7 +42,7 @@ std::string bytes_of(const std::filesystem::path& file) {
   return bytes;
 }
 
-Triangulation parse(std::string_view bytes, const std::string& where) {
+NamedTriangulation parse(std::string_view bytes, const std::string& where) {
   if (bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max()))
     throw Error(fmt::format("{}: expected a surface file below 2 GiB, found {} bytes", where, bytes.size()));
   const auto text = without_byte_order_mark(bytes);
@@ -45,12 +50,30 @@ Triangulation parse(std::string_view bytes, const std::string& where) {
     case SurfaceFormat::obj:
       return parse_obj(text, where);
     case SurfaceFormat::ply:
-      return parse_ply(text, where);
+      return {parse_ply(text, where), {}, {}};
     case SurfaceFormat::off:
-      return parse_off(text, where);
+      return {parse_off(text, where), {}, {}};
     default:
       return parse_stl(bytes, where);
   }
+}
+
+/// Parts of one surface meet in edges of two triangles; bodies that touch have more there.
+void refuse_common_faces(const NamedTriangulation& file, const std::string& where) {
+  for (const auto& [a, b, c] : file.surface.triangles)
+    if (a == b || b == c || c == a) return;  // which is refused later
+  EdgeTable(file.surface).for_each_edge([&](std::span<const Side> sides) {
+    std::set<int> parts;
+    for (const auto& side : sides) parts.insert(file.parts.part[at(side.triangle)]);
+    if (sides.size() < 3 || parts.size() < 2) return;
+    throw Error(fmt::format(
+        "{}: expected named parts of one surface, at most two triangles at each edge, found {} of parts {} at the edge "
+        "from {} to {}: leave out the faces between bodies that touch, or give the bodies as a CAD file, which becomes "
+        "a region for each",
+        where, sides.size(),
+        listed(parts, {.before_last = " and "}, [&](int part) { return '"' + file.parts.name[at(part)] + '"'; }),
+        decimal(file.surface.points[at(sides[0].low)]), decimal(file.surface.points[at(sides[0].high)])));
+  });
 }
 
 }  // namespace
@@ -60,16 +83,30 @@ Triangulation read_triangulation(const std::filesystem::path& file, Exact<bool> 
 }
 
 Triangulation parse_triangulation(std::string_view bytes, const std::string& where, Exact<bool> open_allowed) {
-  auto surface = parse(bytes, where);
+  auto surface = parse(bytes, where).surface;
   drop_unused_points(surface);
   require_valid(surface, where, open_allowed);
   return surface;
 }
 
+NamedTriangulation read_named_triangulation(const std::filesystem::path& file, Exact<bool> open_allowed) {
+  const auto where = file.string();
+  auto read = parse(bytes_of(file), where);
+  drop_unused_points(read.surface);
+  if (read.parts.name.size() > 1) {
+    refuse_common_faces(read, where);
+    read.surface.remarks = read.rest;
+  } else {
+    read.parts = {};
+  }
+  require_valid(read.surface, where, open_allowed);
+  return read;
+}
+
 Triangulation read_soup(const std::filesystem::path& file) { return parse_soup(bytes_of(file), file.string()); }
 
 Triangulation parse_soup(std::string_view bytes, const std::string& where) {
-  auto surface = parse(bytes, where);
+  auto surface = parse(bytes, where).surface;
   const auto n_points = std::ssize(surface.points);
   for (std::ptrdiff_t i = 0; i < n_points; ++i)
     if (const Vec3 p = surface.points[static_cast<std::size_t>(i)]; !(largest_coordinate(p) < largest_size))

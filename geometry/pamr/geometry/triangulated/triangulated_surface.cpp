@@ -41,13 +41,18 @@ std::shared_ptr<Triangulated::Shape> Triangulated::make_shape(const Triangulatio
 }
 
 Triangulated::Triangulated(std::shared_ptr<const Triangulation> surface, const Options& options)
-    : flat_(std::move(surface)) {
+    : flat_(std::move(surface)), parts_(options.parts) {
   require_valid(*flat_, "triangulated surface", options.open_allowed);
   if (!(options.crease.angle > 0 && options.crease.angle <= 180))
     throw Error("feature_angle: expected degrees over 0 and up to 180, found " + decimal(options.crease.angle));
   if (!(options.crease.shortest >= 0))
     throw Error("shortest_crease: expected a length of 0 or more, found " + decimal(options.crease.shortest));
-  shape_ = make_shape(*flat_, options.crease);
+  auto creases = options.crease;
+  if (parts_) {
+    const auto borders = borders_of(*flat_, parts_->part);
+    creases.borders.insert(creases.borders.end(), borders.begin(), borders.end());
+  }
+  shape_ = make_shape(*flat_, creases);
   take_piece(-1);
   if (options.near) take_piece(shape_->features.patch[at(nearest(checked_point(*options.near, "near")).triangle)]);
 }
@@ -60,6 +65,13 @@ Triangulated::Triangulated(std::shared_ptr<const Shape> shape, std::shared_ptr<c
 
 std::unique_ptr<const Triangulated> Triangulated::piece(int number) const {
   return std::unique_ptr<const Triangulated>(new Triangulated(shape_, flat_, number));
+}
+
+std::string Triangulated::part_of(int piece) const {
+  if (!parts_) return {};
+  const auto& patch = shape_->features.patch;
+  const auto first = std::find(patch.begin(), patch.end(), piece) - patch.begin();
+  return parts_->name[at(parts_->part[static_cast<std::size_t>(first)])];
 }
 
 void Triangulated::take_piece(int only_piece) {

@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "pamr/geometry/surface.hpp"
 #include "pamr/geometry/triangulated/crease.hpp"
 #include "pamr/geometry/triangulated/crease_net.hpp"
+#include "pamr/geometry/triangulated/named_parts.hpp"
 #include "pamr/geometry/triangulated/triangle_tree.hpp"
 #include "pamr/geometry/triangulated/triangulated_curve.hpp"
 
@@ -25,6 +27,7 @@ class Triangulated final : public Surface, public Creases {
     CreaseOptions crease{};
     Exact<bool> open_allowed = false;  ///< the surface may end
     std::optional<Vec3> near = {};     ///< take only the piece between creases that is nearest to this point
+    std::shared_ptr<const NamedParts> parts = {};  ///< of the triangles; null: none. Where they meet are creases
   };
   /// Throws `Error` unless the triangulation is valid (`require_valid`) and the options are in range. O(n log n).
   Triangulated(std::shared_ptr<const Triangulation> surface, const Options& options);
@@ -48,6 +51,8 @@ class Triangulated final : public Surface, public Creases {
 
   /// Pieces between creases of the whole triangulation.
   std::size_t n_patches() const { return shape_->features.is_planar.size(); }
+  /// Name of the part that a piece belongs to; empty where the parts have no names.
+  std::string part_of(int piece) const;
   std::size_t n_creases() const { return creases_->n_edges(); }
   int piece_at(Vec3 point) const override {
     return shape_->features.patch[static_cast<std::size_t>(nearest(point).triangle)];
@@ -105,6 +110,7 @@ class Triangulated final : public Surface, public Creases {
 
   std::shared_ptr<const Shape> shape_;
   std::shared_ptr<const Triangulation> flat_;
+  std::shared_ptr<const NamedParts> parts_;  // null: none, and of a piece taken alone
   std::vector<int> triangle_of_tree_;
   std::optional<TriangleTree> tree_;
   std::optional<CreaseNet> creases_;
