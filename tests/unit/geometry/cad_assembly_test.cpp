@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -38,6 +39,19 @@ std::string assembly(const std::string& old_words = {}, const std::string& new_w
 }
 
 std::string with_peg_at(const std::string& x) { return assembly("(2.,0.5,0.5)", "(" + x + ",0.5,0.5)"); }
+
+/// `text` with the ball about another middle: its lowest point is a vertex, its seam lies where x is largest.
+std::string with_ball_at(std::string text, Vec3 middle, double radius = 0.5) {
+  const auto replace = [&text](const std::string& old_words, const std::string& new_words) {
+    const auto place = text.find(old_words);
+    EXPECT_NE(place, std::string::npos);
+    text.replace(place, old_words.size(), new_words);
+  };
+  replace("'',(1.,1.,0.5)", fmt::format("'',({:#g},{:#g},{:#g})", middle.x, middle.y, middle.z - radius));
+  replace("'',(1.,1.,1.)", fmt::format("'',({:#g},{:#g},{:#g})", middle.x, middle.y, middle.z));
+  replace("'',#218,0.5)", fmt::format("'',#218,{:#g})", radius));
+  return text;
+}
 
 int count(const CadAssembly& made, Regions regions) {
   return static_cast<int>(
@@ -131,6 +145,35 @@ TEST(CadAssembly, NamesSolidsThatTouchAlongAnEdgeAlone) {
   EXPECT_NO_THROW(assemble_cad(assembly("(5.,0.,0.)", "(3.,1.4,1.)"), 1));  // a face of 0.1 x 0.5
 }
 
+TEST(CadAssembly, NamesSolidsThatAreTangentInAPoint) {
+  const auto error_with_ball_at = [](Vec3 middle) {
+    return [text = with_ball_at(assembly(), middle)] { assemble_cad(text, 1); };
+  };
+  const auto names_ball_at = [](const std::string& place) {
+    return ThrowsMessage<Error>(HasSubstr("\"housing\" and \"ball\" are tangent at [" + place));
+  };
+
+  EXPECT_THAT(error_with_ball_at({1, 1, 2.5}), names_ball_at("1, 1, 2]"));   // its lowest point, on a face
+  EXPECT_THAT(error_with_ball_at({2, 1, 2.5}), names_ball_at("2, 1, 2]"));   // on an edge
+  EXPECT_THAT(error_with_ball_at({2, 2, 2.5}), names_ball_at("2, 2, 2]"));   // on a corner
+  EXPECT_THAT(error_with_ball_at({-0.5, 1, 1}), names_ball_at("0, 1, 1]"));  // its seam
+  EXPECT_THAT(error_with_ball_at({1, 1, -0.5}), names_ball_at("1, 1, "));
+  EXPECT_THAT(error_with_ball_at({1, -0.5, 1}), names_ball_at("1"));
+  EXPECT_THAT(error_with_ball_at({1, 1, 1.5}), names_ball_at("1, 1, 2]"));  // from within
+}
+
+TEST(CadAssembly, TakesSolidsThatMeetInAPointAtAnAngle) {
+  EXPECT_NO_THROW(assemble_cad(assembly("(5.,0.,0.)", "(3.,1.5,1.5)"), 1));  // two pegs corner to corner
+  EXPECT_NO_THROW(assemble_cad(with_ball_at(assembly(), {1, 1, 2.501}), 1));
+  const std::string flat = "(2.,0.5,0.5));\n#25 = DIRECTION('',(0.,0.,1.));\n#26 = DIRECTION('',(1.,0.,-0.))";
+  const std::string upright =
+      "(1.,1.,2.));\n#25 = DIRECTION('',(1.4142135623731,0.,1.));\n#26 = "
+      "DIRECTION('',(-1.,1.7320508075689,1.4142135623731))";
+  const auto on_corner = assemble_cad(assembly(flat, upright), 1);  // a peg that stands on a corner
+  EXPECT_EQ(count(on_corner, {0, 2}), 0);
+  EXPECT_EQ(count(on_corner, {2, -1}), 6);
+}
+
 TEST(CadAssembly, ThreeSurfacesOfTouchingSolidsHaveTheEdgeOfTheirFacesInCommon) {
   const auto made = assemble_cad(assembly(), 1);
   const auto model = make_cad_model({"a.brep", made.text}, "mm", true);
@@ -151,14 +194,14 @@ TEST(CadAssembly, ThreeSurfacesOfTouchingSolidsHaveTheEdgeOfTheirFacesInCommon) 
 }
 
 TEST(CadAssembly, OfNestedSolidsTheInnerOneWins) {
-  const auto made = assemble_cad(with_peg_at("0.5"), 1);  // about the ball, which touches its faces from within
+  const auto made = assemble_cad(with_ball_at(with_peg_at("0.5"), {1, 1, 1}, 0.4), 1);  // about the ball
 
   EXPECT_THAT(made.region, ElementsAre("housing", "ball", "peg_1", "peg_2"));
   const auto solids = triangulate_cad(made.text, 1, 1e-3, true).solids;
   double of_peg = 0;
   for (std::size_t s = 0; s < solids.solid.size(); ++s)
     if (made.region_of_solid[s] == 2) of_peg += solids.solid[s].volume;
-  EXPECT_NEAR(of_peg, 1 - std::numbers::pi / 6, 1e-3);
+  EXPECT_NEAR(of_peg, 1 - 4 * std::numbers::pi / 3 * 0.064, 1e-3);
 }
 
 TEST(CadAssembly, TakesChosenSolids) {

@@ -17,6 +17,7 @@
 #include <TopTools_ListOfShape.hxx>
 #include <TopoDS_Compound.hxx>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <set>
@@ -26,6 +27,7 @@
 
 #include "pamr/base/error.hpp"
 #include "pamr/base/listed.hpp"
+#include "pamr/geometry/cad/occt_contacts.hpp"
 #include "pamr/geometry/cad/occt_solids.hpp"
 #include "pamr/geometry/parameters.hpp"
 
@@ -109,8 +111,9 @@ class Fuse {
     }
     const double size = box.IsVoid() ? 0 : std::sqrt(box.SquareExtent());
     if (!(size > 0) || !std::isfinite(size)) throw Error(fmt::format("expected solids of finite size, found {}", size));
+    tolerance_ = std::clamp(tolerance, min_fuzzy * size, max_fuzzy * size);
     fuse_.SetArguments(arguments);
-    fuse_.SetFuzzyValue(std::clamp(tolerance, min_fuzzy * size, max_fuzzy * size));
+    fuse_.SetFuzzyValue(tolerance_);
     fuse_.SetNonDestructive(true);
     fuse_.SetRunParallel(false);
     fuse_.Build();
@@ -122,6 +125,8 @@ class Fuse {
   }
 
   const TopoDS_Shape& result() const { return result_; }
+  /// How far apart faces may be that count as one.
+  double tolerance() const { return tolerance_; }
 
   /// The pieces that a solid or a face has become.
   std::vector<TopoDS_Shape> parts_of(const TopoDS_Shape& shape) {
@@ -134,6 +139,7 @@ class Fuse {
 
  private:
   bool is_one_;
+  double tolerance_ = 0;
   BRepAlgoAPI_BuilderAlgo fuse_;
   TopoDS_Shape result_;
 };
@@ -158,6 +164,7 @@ class Assembler {
     const auto shape = put_together();
     describe_faces(fuse, shape);
     refuse_touching_edges(shape);
+    refuse_tangent_points(shape, fuse.tolerance());
     std::ostringstream text;
     BRepTools::Write(shape, text, false, false, TopTools_FormatVersion_CURRENT);
     result_.text = text.str();
@@ -279,6 +286,20 @@ class Assembler {
           result_.region[static_cast<std::size_t>(*regions.rbegin())],
           decimal(middle_of_shape(faces_of_edge.FindKey(e), scale_))));
     }
+  }
+
+  /// Around a point in which two boundaries touch and are tangent the gap between them is thinner than any edge.
+  void refuse_tangent_points(const TopoDS_Compound& shape, double tolerance) const {
+    const auto found = find_tangent_point(shape, tolerance);
+    if (!found) return;
+    const auto region = [&](int solid) {
+      return result_.region[static_cast<std::size_t>(result_.region_of_solid[at(solid)])];
+    };
+    throw Error(fmt::format(
+        "expected solids that have a face in common where they touch, found that \"{}\" and \"{}\" are tangent at {} "
+        "without one: move one of them, unite them, or name the solids to take (--solid)",
+        region(found->solid[0]), region(found->solid[1]),
+        decimal(scale_ * Vec3{found->point.X(), found->point.Y(), found->point.Z()})));
   }
 
   static std::size_t at(int index) { return static_cast<std::size_t>(index) - 1; }  // of maps, which count from 1
