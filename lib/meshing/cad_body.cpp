@@ -185,10 +185,12 @@ double CadBody::signed_distance(Vec3 point) const {
 }
 
 Vec3 CadBody::normal(Vec3 point) const {
-  const Vec3 outward = faces_.normal(point);
-  if (!all_) return outward;
-  const int second = second_solid_[at(piece_at(point))];
-  return second >= 0 && second == solid_at(point) ? -1.0 * outward : outward;
+  if (!all_) return faces_.normal(point);
+  // Beyond a sharp edge the face between two solids may be nearer than those at which the point left them.
+  const int solid = solid_at(point), piece = solid < 0 ? outer_piece_at(point) : piece_at(point);
+  const auto& face = model_->faces()[at(piece)];
+  const Vec3 outward = face.normal(face.project(point).uv);
+  return solid >= 0 && second_solid_[at(piece)] == solid ? -1.0 * outward : outward;
 }
 
 std::vector<std::array<Vec3, 3>> CadBody::triangles() const {

@@ -271,8 +271,10 @@ Prediction predict(const Domain& domain) {
 }
 
 [[noreturn]] void too_coarse(const std::string& what) {
-  throw Error("expected a mesh whose boundary follows the domain, found " + what +
-              ": the sizes are too coarse for the domain");
+  throw Error(
+      "expected a mesh whose boundary follows the domain, found " + what +
+      ": the sizes are too coarse for the domain, or faces meet there at too sharp an angle: give other sizes, or "
+      "blunt the edge");
 }
 
 std::string text_of(geometry::Vec3 p) { return fmt::format("({:f}, {:f}, {:f})", p.x, p.y, p.z); }
