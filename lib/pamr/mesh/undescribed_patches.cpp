@@ -28,12 +28,6 @@ using geometry::Vec3;
 
 bool is_described(const MeshInfo& info, int patch) { return info.patches[at(patch)].surface >= 0; }
 
-bool has_both_kinds(const MeshInfo& info) {
-  const auto described = [](const Patch& patch) { return patch.surface >= 0; };
-  return std::any_of(info.patches.begin(), info.patches.end(), described) &&
-         !std::all_of(info.patches.begin(), info.patches.end(), described);
-}
-
 /// Calls `visit(cell, face, patch)` for each boundary face of this rank.
 template <class Visit>
 void for_each_boundary_face(const DistMesh& mesh, Visit&& visit) {
@@ -49,6 +43,20 @@ Kind kind_of(const MeshInfo& info, int patch) {
   if (!is_described(info, patch)) return without_surface;
   const auto* surface = info.surface_of(patch);
   return surface == nullptr || surface->is_flat() ? on_plane : on_curved_surface;
+}
+
+/// Whether a patch has no surface and another one a surface that could take its nodes with it: one that is curved, or
+/// off whose plane nodes are.
+bool may_follow_others(const DistMesh& mesh) {
+  bool is_one_without = false, is_one_on_plane = false, is_one_curved = false;
+  for (std::size_t p = 0; p < mesh.info.patches.size(); ++p) {
+    const auto kind = kind_of(mesh.info, static_cast<int>(p));
+    is_one_without = is_one_without || kind == without_surface;
+    is_one_on_plane = is_one_on_plane || kind == on_plane;
+    is_one_curved = is_one_curved || kind == on_curved_surface;
+  }
+  const bool is_any_off = mesh.find_node_field(off_surface_field) != nullptr;
+  return is_one_without && (is_one_curved || (is_one_on_plane && is_any_off));
 }
 
 /// This rank's nodes at patches without a surface that others may take with them, with all their patches: those at
@@ -145,7 +153,7 @@ bool is_sharp_edge(Vec3 a, Vec3 b, Vec3 c, const geometry::Surface& surface) {
 
 std::vector<UndescribedPatch> find_undescribed_patches(const par::Comm& comm, const DistMesh& mesh,
                                                        const Borders& borders) {
-  if (!has_both_kinds(mesh.info)) return {};
+  if (!may_follow_others(mesh)) return {};
   const auto common = find_common_nodes(comm, mesh, borders);
   std::vector<std::int64_t> meets(mesh.info.patches.size(), 0);
   for (const auto& [node, patches] : common)
@@ -163,7 +171,7 @@ std::vector<UndescribedPatch> find_undescribed_patches(const par::Comm& comm, co
 }
 
 std::vector<UndescribedPatch> find_undescribed_patches(const par::Comm& comm, const DistMesh& mesh) {
-  if (!has_both_kinds(mesh.info)) return {};
+  if (!may_follow_others(mesh)) return {};
   return find_undescribed_patches(comm, mesh, find_borders(comm, mesh));
 }
 

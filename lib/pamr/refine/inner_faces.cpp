@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pamr/refine/inner_faces.hpp"
 
+#include <algorithm>
 #include <vector>
 
 #include "pamr/base/index.hpp"
@@ -48,19 +49,24 @@ std::optional<mesh::CellField> inner_patches_of_children(const NumberedMesh& old
   if (field == nullptr) return {};
   const auto& word = field->integer();
   std::vector<std::int64_t> of_children;
-  reserve_array(of_children, children.cell_to_node.size());
-  const auto append = [&of_children](std::int64_t parent, const SplitPattern& pattern) {
+  assign_array(of_children, children.cell_to_node.size(), std::int64_t{0});
+  const auto put = [&of_children](std::int64_t parent, const SplitPattern& pattern, LocalId first) {
+    if (parent == 0) return;  // most cells
     const auto words = inner_patches_of_children(parent, pattern);
-    of_children.insert(of_children.end(), words.begin(), words.begin() + pattern.n_children);
+    std::copy_n(words.begin(), pattern.n_children, of_children.begin() + first);
   };
   auto family = closure.rebuilt.begin();
   for (LocalId c = 0; c < mesh.n_cells(); ++c) {
-    if (closure.action[at(c)] == Action::split) append(word[at(c)], split_pattern[children.state[at(c)]]);
+    auto first = numbering.first_child[at(c)];
+    if (closure.action[at(c)] == Action::split) put(word[at(c)], split_pattern[children.state[at(c)]], first);
     if (closure.action[at(c)] != Action::rebuild) continue;
     const auto& pattern = split_pattern[family->state];
     const auto words = inner_patches_of_children(patches_of_parent(word, mesh, c), pattern);
-    for (int child = 0; child < pattern.n_children; ++child)
-      append(words[at(child)], split_pattern[family->child_state[at(child)]]);
+    for (int child = 0; child < pattern.n_children; ++child) {
+      const auto& of_child = split_pattern[family->child_state[at(child)]];
+      put(words[at(child)], of_child, first);
+      first += of_child.n_children;
+    }
     ++family;
   }
   return mesh::CellField{field->name, "", 1, mesh::StorageType::int64, std::move(of_children)};

@@ -219,12 +219,14 @@ Fields transfer(const NumberedMesh& old, const std::vector<mesh::CellNodes>& cel
                 const Certificate& certificate, const Options& options, const ReleaseField& release) {
   Fields fields;
   fields.of_nodes = transfer_to_nodes(old, certificate, release);
-  if (!options.parent_field && old.mesh.cell_fields.empty()) return fields;
-
-  const auto parent = parents_of(old, cell_to_node);
+  const auto goes_to_children = [&options](const mesh::CellField& field) {
+    return is_inherited(field, options) && !mesh::is_inner_patch_field(field);
+  };
+  std::vector<LocalId> parent;
+  if (options.parent_field || std::any_of(old.mesh.cell_fields.begin(), old.mesh.cell_fields.end(), goes_to_children))
+    parent = parents_of(old, cell_to_node);
   for (const auto& field : old.mesh.cell_fields) {
-    if (is_inherited(field, options) && !mesh::is_inner_patch_field(field))
-      fields.of_cells.push_back(to_cells(old, parent, field));
+    if (goes_to_children(field)) fields.of_cells.push_back(to_cells(old, parent, field));
     release(field);
   }
   if (options.parent_field) fields.of_cells.push_back(numbers_of(parent, old.mesh));
