@@ -23,8 +23,8 @@ SurfaceSet surfaces_from_toml(std::string_view text, std::string_view where,
 
 /// The surfaces of a case file: its tables `[[surface]]`, which become the description, each from its line on.
 /// Triangles come from the files that they name; a relative `file` counts from the folder of `where`. Unknown keys are
-/// left to `finish` of the file. `with_parts`: the named parts of a file of triangles (`read_named_triangulation`) divide it,
-/// and the description gets their borders.
+/// left to `finish` of the file. `with_parts`: the named parts of a file of triangles (`read_named_triangulation`) divide
+/// it, and the description gets their borders.
 SurfaceSet surfaces_of_case(const TomlTable& file, const std::string& where, Exact<bool> with_parts = false);
 
 /// The keys that describe a plane, `separator` between them.

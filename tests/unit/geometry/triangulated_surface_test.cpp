@@ -215,7 +215,7 @@ TEST(Triangulated, TakesCreasesThatAreGiven) {
               ::testing::ThrowsMessage<Error>(::testing::HasSubstr("segment 1 of polyline 7")));
 }
 
-/// Two parts of a sphere about one of its corners: the triangles whose middles lie higher than `height` over its center.
+/// Two parts of a sphere about one of its corners: triangles whose middles lie higher than `height` over its center.
 std::shared_ptr<const NamedParts> cap_and_rest(const Triangulation& sphere, double height) {
   NamedParts parts{{"cap", "rest"}, {}};
   const auto point = [&](int p) { return sphere.points[static_cast<std::size_t>(p)]; };

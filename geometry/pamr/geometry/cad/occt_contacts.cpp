@@ -40,8 +40,8 @@ constexpr double sine_of_5_degrees = 0.08715574274765817, cosine_of_5_degrees = 
 /// Whether a vector of surfaces or curves has no length, beside another one.
 bool is_null(const gp_Vec& v, const gp_Vec& other) { return v.Magnitude() <= 1e-9 * other.Magnitude(); }
 
-/// The directions out of a face at a point of it: many where one parameter is free there, as at the tip of a cone and at
-/// the pole of a ball.
+/// The directions out of a face at a point of it: many where one parameter is free there, as at the tip of a cone and
+/// at the pole of a ball.
 std::vector<gp_Dir> normals_at(const gp_Pnt& point, const TopoDS_Face& face) {
   constexpr int n_around = 8;
   const auto surface = BRep_Tool::Surface(face);

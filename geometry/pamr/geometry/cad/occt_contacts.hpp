@@ -15,8 +15,8 @@ struct TangentPoint {
 };
 
 /// A point of fused solids around which a gap, or a wall beside an inner solid, is thinner than any edge of a mesh: two
-/// faces touch there without an edge in common, one boundary is smooth, and a face or an edge of the other is tangent to
-/// it (a ball on a plate, a tilted wheel), or edges of both are tangent. Nothing where all such gaps open at an angle,
+/// faces touch there without an edge in common, one boundary is smooth, and a face or an edge of the other is tangent
+/// to it (a ball on a plate, a tilted wheel), or edges of both are tangent. Nothing where all such gaps open at an angle,
 /// over 5 degrees, as at a tip on a plate and at corners that meet. `tolerance`: faces no farther apart touch. Looks at
 /// pairs of faces near each other, those of a solid with itself only beside a face that it shares with another one.
 /// Throws `Error` if OpenCASCADE finds no distance.
