@@ -142,8 +142,8 @@ TEST(ReadCase, ReadsTheOldNameOfKind) {
   EXPECT_EQ(read_case(old, "c").boundary.at(0).value, read_case(wall, "c").boundary.at(0).value);
   EXPECT_EQ(read_case(old, "c").boundary.at(0).condition, Condition::potential);
   EXPECT_THAT(error_of(old + "kind = \"potential\"\n"), testing::HasSubstr("either kind or its old name condition"));
-  EXPECT_EQ(error_of(wall + "valeu = 1\n"),
-            "case.toml:4:1: unknown key 'valeu' in [boundary.wall]; did you mean 'value'?");
+  EXPECT_EQ(error_of(wall + "walue = 1\n"),
+            "case.toml:4:1: unknown key 'walue' in [boundary.wall]; did you mean 'value'?");
   EXPECT_EQ(error_of(wall + "sites = 1\n"),
             "case.toml:4:1: unknown key 'sites' in [boundary.wall]; expected one of kind, unit, value");
   EXPECT_THAT(error_of("[boundary.wall]\nkynd = \"potential\"\nvalue = 2\n"), testing::HasSubstr("kind"));
