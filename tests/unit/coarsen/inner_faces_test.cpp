@@ -101,6 +101,12 @@ std::vector<std::int8_t> random_flags(const mesh::DistMesh& mesh, std::uint64_t 
   return flags;
 }
 
+/// The mesh after all splits that may be taken back have been. Collective.
+mesh::DistMesh without_last_splits(const par::Comm& comm, mesh::DistMesh mesh) {
+  const auto flags = test::all_may_go(mesh);
+  return adapt::adapt(comm, std::move(mesh), flags, {{.parent_field = false}, {}}).mesh;
+}
+
 TEST(InnerFaces, KeepTheirPatchesWhateverIsSplitAndTakenBack) {
   const par::Comm comm(MPI_COMM_WORLD);
   for (std::uint64_t seed = 0; seed < 2; ++seed) {
@@ -109,12 +115,12 @@ TEST(InnerFaces, KeepTheirPatchesWhateverIsSplitAndTakenBack) {
     expect_same_sheets(comm, given, given.mesh);
     auto mesh = given.mesh;
     for (int pass = 0; pass < 3; ++pass) {
-      mesh =
-          adapt::adapt(comm, std::move(mesh), random_flags(mesh, seed + at(pass)), {{.parent_field = false}, {}}).mesh;
+      const auto flags = random_flags(mesh, seed + at(pass));
+      mesh = adapt::adapt(comm, std::move(mesh), flags, {{.parent_field = false}, {}}).mesh;
       expect_same_sheets(comm, given, mesh);
     }
     for (int pass = 0; pass < 5 && mesh.info.n_global_cells > given.mesh.info.n_global_cells; ++pass)
-      mesh = adapt::adapt(comm, std::move(mesh), test::all_may_go(mesh), {{.parent_field = false}, {}}).mesh;
+      mesh = without_last_splits(comm, std::move(mesh));
     EXPECT_EQ(mesh::fingerprint(comm, mesh), mesh::fingerprint(comm, given.mesh));
     EXPECT_EQ(mesh::count_inner_faces(comm, mesh), mesh::count_inner_faces(comm, given.mesh));
   }
@@ -206,8 +212,8 @@ TEST(InnerFaces, OfACurvedInterfaceFollowItsSurfaceOnBothSides) {
   auto mesh = start;
   double error = 4 * std::numbers::pi / 3 - volume_of_region(comm, mesh, 1);
   for (int level = 1; level <= 3; ++level) {
-    auto result =
-        adapt::refine(comm, std::move(mesh), std::vector<std::uint8_t>(at(mesh.n_cells()), 1), {.parent_field = false});
+    const std::vector<std::uint8_t> flags(at(mesh.n_cells()), 1);
+    auto result = adapt::refine(comm, std::move(mesh), flags, {.parent_field = false});
     mesh = std::move(result.mesh);
     EXPECT_EQ(result.report.certificate.n_off_surface, 0);
     ASSERT_TRUE(validate::validate(comm, mesh).empty());
@@ -221,8 +227,7 @@ TEST(InnerFaces, OfACurvedInterfaceFollowItsSurfaceOnBothSides) {
     for (LocalId c = 0; c < mesh.n_cells(); ++c) worst = std::min(worst, geometry::mean_ratio(mesh.points(c)));
     EXPECT_GT(comm.min(worst), 0.2);
   }
-  for (int level = 0; level < 3; ++level)
-    mesh = adapt::adapt(comm, std::move(mesh), test::all_may_go(mesh), {{.parent_field = false}, {}}).mesh;
+  for (int level = 0; level < 3; ++level) mesh = without_last_splits(comm, std::move(mesh));
   EXPECT_EQ(mesh::fingerprint(comm, mesh), mesh::fingerprint(comm, start));
 }
 
@@ -252,7 +257,8 @@ TEST(InnerFaces, OfACurvedSheetMeetTheBoundaryInACurveOfBoth) {
   if (comm.is_first()) block.boundary = sheet;
   auto mesh = assemble::assemble(comm, std::move(block));
   for (int level = 0; level < 2; ++level) {
-    mesh = adapt::refine(comm, std::move(mesh), std::vector<std::uint8_t>(at(mesh.n_cells()), 1)).mesh;
+    const std::vector<std::uint8_t> flags(at(mesh.n_cells()), 1);
+    mesh = adapt::refine(comm, std::move(mesh), flags).mesh;
     ASSERT_TRUE(validate::validate(comm, mesh).empty());
   }
   double least = 1, most = 0;
