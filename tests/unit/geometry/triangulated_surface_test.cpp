@@ -30,17 +30,28 @@ void for_points_of(const Triangulation& s, const std::function<void(Vec3)>& use)
 
 double distance_from_ball(Vec3 p) { return std::abs(norm(p) - 1); }
 
+/// The largest distances of a triangulated unit ball from the ball: of its triangles, of the surface through them, and of
+/// the surface's normals from the ball's.
+struct Distances {
+  double flat = 0, curved = 0, normals = 0;
+};
+
+Distances distances_from_ball(const Triangulation& triangles, const Triangulated& surface) {
+  Distances most;
+  for_points_of(triangles, [&](Vec3 p) {
+    const Vec3 q = surface.project(p);
+    most.flat = std::max(most.flat, distance_from_ball(p));
+    most.curved = std::max(most.curved, distance_from_ball(q));
+    most.normals = std::max(most.normals, norm(surface.normal(q) - (1 / norm(q)) * q));
+  });
+  return most;
+}
+
 TEST(Triangulated, OfACoarseSphereIsFiftyTimesNearerToTheSphereThanItsTriangles) {
   const auto triangles = testing::icosphere(2);
   const Triangulated surface(triangles, {});
 
-  double flat = 0, curved = 0, normals = 0;
-  for_points_of(triangles, [&](Vec3 p) {
-    const Vec3 q = surface.project(p);
-    flat = std::max(flat, distance_from_ball(p));
-    curved = std::max(curved, distance_from_ball(q));
-    normals = std::max(normals, norm(surface.normal(q) - (1 / norm(q)) * q));
-  });
+  const auto [flat, curved, normals] = distances_from_ball(triangles, surface);
 
   EXPECT_EQ(triangles.triangles.size(), 320U);
   EXPECT_EQ(surface.n_creases(), 0U);
@@ -231,13 +242,7 @@ TEST(Triangulated, StaysSmoothWhereNamedPartsMeet) {
     options.parts = cap_and_rest(triangles, height);
     const Triangulated surface(triangles, options), without(triangles, {});
 
-    double flat = 0, curved = 0, normals = 0;
-    for_points_of(triangles, [&](Vec3 p) {
-      const Vec3 q = surface.project(p);
-      flat = std::max(flat, distance_from_ball(p));
-      curved = std::max(curved, distance_from_ball(q));
-      normals = std::max(normals, norm(surface.normal(q) - (1 / norm(q)) * q));
-    });
+    const auto [flat, curved, normals] = distances_from_ball(triangles, surface);
 
     EXPECT_EQ(surface.n_patches(), 2U);
     ASSERT_EQ(surface.crease_net().lines().size(), 1U);
