@@ -189,8 +189,8 @@ dsmc::Advance advance(cli::Session& session, const Options& o, dsmc::Computation
 /// The error that too few particles make: computed if asked for, else its expected size.
 void check_resolution(cli::Session& session, const Options& o, const dsmc::Computation& computation,
                       dsmc::Outcome& outcome) {
+  const double apart = outcome.resolution.wall_separation;
   if (!o.check_resolution) {
-    const double apart = outcome.resolution.wall_separation;
     if (computation.the_case().collisions.enabled && apart > 0)
       session.summary(
           fmt::format("partners that collide at the walls are {:.2g} mean free paths apart (by heat): +- are of chance "
@@ -201,7 +201,7 @@ void check_resolution(cli::Session& session, const Options& o, const dsmc::Compu
   session.summary("the same with a quarter of the particles:");
   {
     std::unique_ptr<cli::Progress> progress;
-    outcome.check = dsmc::check_particles(computation, observer_of(session, progress));
+    outcome.check = dsmc::check_particles(computation, apart, observer_of(session, progress));
   }
   for (const auto& line : describe(*outcome.check)) session.summary(line);
 }

@@ -18,14 +18,19 @@ namespace particle_check_test {
 using namespace pamr;
 using namespace pamr::dsmc;
 
-TEST(CheckedCoefficient, HasTheErrorOfAValueThatIsOffByTheSquareOfTheDistanceOfPartners) {
+TEST(CheckedCoefficient, HasTheErrorOfAValueThatIsAsTheRootOfAViscosityThatGrowsByTheSquareOfTheDistance) {
   for (const double off : {0.02, -0.5, 3.0})
-    for (const double n : {8.0, 100.0}) {
-      const auto error = [&](double particles) { return off * std::pow(std::pow(particles, -1.0 / 3), 2); };
-      const CheckedCoefficient one{"C_D", {1 + error(n), 0}, {1 + error(n / 4), 0}};
-      EXPECT_NEAR(one.error(), std::fabs(error(n)), 1e-12) << off << ", " << n;
-      EXPECT_NEAR(one.bound(), one.error(), 1e-15);
-    }
+    for (const double n : {8.0, 100.0})
+      for (const double far : {1e-3, 0.5, 2.0, 100.0}) {
+        const auto separation = [&](double particles) { return far * std::pow(particles / n, -1.0 / 3); };
+        const auto error = [&](double particles) { return off * (std::hypot(1, separation(particles)) - 1); };
+        const CheckedCoefficient one{"C_D", {1 + error(n), 0}, {1 + error(n / 4), 0}, 1, 1, separation(n)};
+        EXPECT_NEAR(one.error(), std::fabs(error(n)), 1e-12 * std::fabs(off) / (far * far) + 1e-12 * far)
+            << off << ", " << n;
+        EXPECT_NEAR(one.bound(), one.error(), 1e-15);
+      }
+  EXPECT_NEAR(error_per_difference(0), 1 / (std::pow(4, 2.0 / 3) - 1), 1e-15);
+  EXPECT_NEAR(error_per_difference(1e9), 1 / (std::cbrt(4) - 1), 1e-8);
 }
 
 TEST(CheckedCoefficient, DoesNotTakeADifferenceBelowItsNoiseForNone) {
@@ -47,10 +52,10 @@ TEST(ParticleCheck, RunsAQuarterOfTheParticlesFromTheGasThatThereIsWithTheSameBi
     while (!(*run)->is_complete()) (*run)->step();
   const auto before = one->snapshot().header;
 
-  const auto check = check_particles(*one, {});
+  const auto check = check_particles(*one, 0.3, {});
 
   EXPECT_EQ(one->snapshot().header, before);
-  EXPECT_EQ(to_json(check), to_json(check_particles(*twin, {})));
+  EXPECT_EQ(to_json(check), to_json(check_particles(*twin, 0.3, {})));
   EXPECT_NEAR(4.0 * static_cast<double>(check.n_particles) / static_cast<double>(one->flow().n_particles()), 1, 0.2);
   // A passage, as of a flow that was carried, or the transient of the case; then as many steps as were averaged.
   EXPECT_EQ(check.n_steps,
@@ -66,7 +71,7 @@ TEST(ParticleCheck, IsRefusedWithoutAveragesAndForFlowsThatChange) {
   const par::Comm comm(MPI_COMM_WORLD);
   auto c = read_case(test::stream_case, "case.toml");
   const auto mesh = assemble::assemble(comm, test::kuhn_cube(comm, 2));
-  EXPECT_THROW(check_particles(*test::filled(comm, c, mesh), {}), Error);
+  EXPECT_THROW(check_particles(*test::filled(comm, c, mesh), 0, {}), Error);
   c.schedule.window = 20;
   EXPECT_THROW(require_checkable(c), Error);
 }

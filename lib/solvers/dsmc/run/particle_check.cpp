@@ -12,10 +12,17 @@
 
 namespace pamr::dsmc {
 
+double error_per_difference(double separation) {
+  const double nearer = separation * separation, spread = std::cbrt(fewer_particles * fewer_particles);
+  // (sqrt(1 + nearer) - 1) / (sqrt(1 + spread nearer) - sqrt(1 + nearer)), without differences.
+  const double root = std::sqrt(1 + nearer);
+  return (std::sqrt(1 + spread * nearer) + root) / ((spread - 1) * (root + 1));
+}
+
 double CheckedCoefficient::difference_error() const { return std::hypot(all.error, fewer.error); }
 
 double CheckedCoefficient::error() const {
-  return error_per_difference * std::max(std::fabs(difference()), 2 * difference_error());
+  return error_per_difference(separation) * std::max(std::fabs(difference()), 2 * difference_error());
 }
 
 void require_checkable(const Case& c) {
@@ -26,7 +33,7 @@ void require_checkable(const Case& c) {
                     c.where, c.schedule.window));
 }
 
-ParticleCheck check_particles(const Computation& computation, const Observer& observer) {
+ParticleCheck check_particles(const Computation& computation, double separation, const Observer& observer) {
   auto c = computation.the_case();
   require_checkable(c);
   const auto& averaging = computation.averaging();
@@ -49,7 +56,7 @@ ParticleCheck check_particles(const Computation& computation, const Observer& ob
   ParticleCheck check{
       {}, second.flow().n_particles(), second.flow().steps_done - second.averaging().state().first_step};
   const auto add = [&](const char* name, const Estimate& one, const Estimate& other) {
-    check.coefficients.push_back({name, one, other, student_all, student_fewer});
+    check.coefficients.push_back({name, one, other, student_all, student_fewer, separation});
   };
   add("C_D", all.body.drag, fewer.body.drag);
   if (c.reference.gives_lift()) {
