@@ -79,6 +79,22 @@ def test_a_bar_of_first_order_holds_the_truth_between_plates_or_is_withheld():
     assert n_printed == 13
 
 
+@of_one_process
+def test_a_bar_on_a_coarse_mesh_says_so():
+    # Between plates at 1 and 0.3 the stress of the field is nearly that of the ions: shares are large beside the force.
+    says = "coarse mesh: compare two levels"
+    text = ('[estimator]\ngoals = ["force-z", "energy"]\ngoal_patch = "zmin"\n'
+            + boundary(zmin=("potential", 1), zmax=("potential", 0.3)))
+    for n, coarse in ((2, {"force-z"}), (12, set())):
+        report, printed = solve(text, cube(n))
+        lines = [" ".join(line.split()) for line in printed.out.replace("\n    ", " ").split("\n")]
+        for name, goal in goals_of(report).items():
+            share = goal["error_bound"] / abs(goal["corrected"])
+            assert goal["error_bar"] is not None and goal["coarse"] == (name in coarse) == (share > 0.1), (n, name, goal)
+            of_goal = [line for line in lines if line.startswith((f"goal {name} ", f"best {name} ")) and "no goal" not in line]
+            assert of_goal and all((says in line) == (name in coarse) for line in of_goal), (of_goal, printed.out)
+
+
 def spheres(inner, outer, ions, radii=(1.0, 3.0)):
     """Spheres of these radii with these potentials: charge of the inner one, of the outer one, energy of an octant."""
     low, high = radii

@@ -60,6 +60,21 @@ constexpr double bar_over_shares = 1.0 / 3, bar_over_walls = 0.2;
 /// Least error bar over the value: what integration by points, the tolerance of the solver and rounding may leave.
 constexpr double min_bar = 1e-8;
 
+/// Sum of the cells' shares over the value from which on a mesh is coarse for a goal.
+constexpr double coarse_share = 0.1;
+
+/// What the error of a goal is measured by: its value, of a component of a force or torque the largest one.
+double size_of(const GoalResult& goal, const std::vector<PatchResult>& patches) {
+  const double value = std::abs(*goal.value + goal.best_correction());
+  const auto patch = std::find_if(patches.begin(), patches.end(),
+                                  [&](const PatchResult& candidate) { return candidate.name == goal.goal.body; });
+  if (patch == patches.end()) return value;
+  const auto& vector = goal.goal.kind == Goal::Kind::force    ? patch->volume
+                       : goal.goal.kind == Goal::Kind::torque ? patch->torque
+                                                              : std::nullopt;
+  return vector ? std::max({value, std::abs(vector->x), std::abs(vector->y), std::abs(vector->z)}) : value;
+}
+
 /// On the meshed part.
 struct DualError {
   std::vector<double> share;
@@ -119,9 +134,12 @@ void add_goals(const par::Comm& comm, const State& state, System& system, std::v
     goal.value = functional.value;
     goal.correction = functional.factor * error.correction;
     goal.error_bound = functional.factor * par::reproducible_sum(comm, error.share);
-    goal.no_error_bar = goal.value
-                            ? why_no_error_bar(state.problem, result.electrodes, result.layers, has_facets, goal.goal)
-                            : "the value is not given";
+    const auto refusal = goal.value
+                             ? why_no_error_bar(state.problem, result.electrodes, result.layers, has_facets, goal.goal)
+                             : NoErrorBar{"the value is not given"};
+    goal.no_error_bar = refusal.reason;
+    goal.is_corrected = refusal.is_corrected;
+    goal.is_coarse = goal.value && goal.error_bound > coarse_share * size_of(goal, result.patches);
     goal.of_box = functional.factor * far_field_cost(comm, state, result.electrodes, goal.goal, w);
     if (goal.no_error_bar.empty())
       goal.error_bar =

@@ -15,11 +15,18 @@ namespace pamr::poisson_boltzmann {
 struct GoalResult {
   Goal goal;
   std::optional<double> value;      ///< of the functional; nothing where it means nothing
-  double correction = 0;            ///< estimated error with its sign: the best value is `value` + `correction`
+  double correction = 0;            ///< estimated error with its sign
+  bool is_corrected = true;         ///< the best value is `value` + `correction`; else the correction does not hold
   double error_bound = 0;           ///< sum of the cells' shares
   double of_box = 0;                ///< what walls of the far field cost (`far_field_cost`), part of the bar
   std::optional<double> error_bar;  ///< of the best value; nothing where `no_error_bar` says why
   std::string no_error_bar;
+  /// The shares are more than a tenth of the value, of a component more than a tenth of the vector: a bar is what the
+  /// orders of fine cells say, and a second level shows whether these are.
+  bool is_coarse = false;
+
+  /// The correction, where it holds.
+  double best_correction() const { return is_corrected ? correction : 0; }
 };
 
 /// All that is computed from a solution.

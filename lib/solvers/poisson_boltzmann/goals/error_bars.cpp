@@ -21,7 +21,7 @@ bool holds_value(const Boundary& b) {
 }
 
 /// Sheets of which no bar knows the error. Of the others each side is like a wall.
-std::string why_not_with_sheets(const Problem& problem, const std::vector<Electrode>& electrodes, const Goal& goal) {
+NoErrorBar why_not_with_sheets(const Problem& problem, const std::vector<Electrode>& electrodes, const Goal& goal) {
   const auto& domain = problem.domain;
   const auto& info = domain.mesh->info;
   const bool is_linear = !domain.quadratic;
@@ -32,16 +32,17 @@ std::string why_not_with_sheets(const Problem& problem, const std::vector<Electr
   for (std::size_t p = 0; p < info.patches.size(); ++p) {
     if (!domain.patches[p].has_inside) continue;
     const auto& name = info.patches[p].name;
-    if (domain.patches[p].has_rim) return fmt::format("it does not hold where patch {} ends in the liquid", name);
+    if (domain.patches[p].has_rim)
+      return {fmt::format("it does not hold where patch {} ends in the liquid", name), !is_linear};
     const bool is_pushed = std::any_of(electrodes.begin(), electrodes.end(), [&](const Electrode& e) {
       return e.name == goal.body && e.has(static_cast<int>(p));
     });
     if (is_linear && is_pushed && (goal.kind == Goal::Kind::force || goal.kind == Goal::Kind::torque))
-      return fmt::format("that of what acts on patch {} is too small: use order = 2", name);
+      return {fmt::format("that of what acts on patch {} is too small: use order = 2", name), false};
     const bool has_charge = problem.input.find_boundary(name)->holds_charge();
     if (is_curved(p) && (is_linear || has_charge))
-      return fmt::format("it would not contain the curvature of patch {}", name) +
-             (has_charge ? "" : ": use order = 2");
+      return {fmt::format("it would not contain the curvature of patch {}", name) +
+              (has_charge ? "" : ": use order = 2")};
     const auto own =
         std::find_if(electrodes.begin(), electrodes.end(), [&](const Electrode& e) { return e.name == name; });
     const auto meets = [&](std::size_t q) {
@@ -50,13 +51,13 @@ std::string why_not_with_sheets(const Problem& problem, const std::vector<Electr
     for (std::size_t q = 0; q < info.patches.size(); ++q) {
       if (!meets(q)) continue;
       if (has_charge && is_curved(q))
-        return fmt::format("it would not contain the edge of patch {} at the curved patch {}", name,
-                           info.patches[q].name);
+        return {fmt::format("it would not contain the edge of patch {} at the curved patch {}", name,
+                            info.patches[q].name)};
       if (is_linear && goal.kind == Goal::Kind::midplane && info.patches[q].name == problem.input.force.midplane)
-        return fmt::format("it does not hold where patch {} meets the mid-plane: use order = 2", name);
+        return {fmt::format("it does not hold where patch {} meets the mid-plane: use order = 2", name), false};
     }
   }
-  return "";
+  return {};
 }
 
 /// The gradient is as the reciprocal of the distance to a line where the potential jumps: charges of the patches that meet
@@ -161,14 +162,14 @@ std::vector<bool> find_facets(const par::Comm& comm, const Problem& problem) {
   return result;
 }
 
-std::string why_no_error_bar(const Problem& problem, const std::vector<Electrode>& electrodes, const Layers& layers,
-                             const std::vector<bool>& has_facets, const Goal& goal) {
+NoErrorBar why_no_error_bar(const Problem& problem, const std::vector<Electrode>& electrodes, const Layers& layers,
+                            const std::vector<bool>& has_facets, const Goal& goal) {
   const auto of_jumps = why_not_with_jumps(problem, electrodes, goal);
-  if (!of_jumps.empty()) return of_jumps;
+  if (!of_jumps.empty()) return {of_jumps, false};
   const auto of_sheets = why_not_with_sheets(problem, electrodes, goal);
-  if (!of_sheets.empty()) return of_sheets;
-  return problem.domain.quadratic ? why_not_of_second_order(problem, has_facets)
-                                  : why_not_of_first_order(problem, electrodes, layers, goal);
+  if (!of_sheets.reason.empty()) return of_sheets;
+  return {problem.domain.quadratic ? why_not_of_second_order(problem, has_facets)
+                                   : why_not_of_first_order(problem, electrodes, layers, goal)};
 }
 
 std::string beyond_error_bars(const Case& input) {

@@ -18,13 +18,15 @@ const GoalResult* goal_of(const Analysis& analysis, Goal::Kind kind, int axis, c
 }
 
 BestValue corrected(std::string quantity, double value, const char* from, const GoalResult* goal) {
-  BestValue best{std::move(quantity), value, std::nullopt, "no goal", 0, false, from};
+  BestValue best{std::move(quantity), value, std::nullopt, "no goal", 0, false, false, false, from};
   if (goal != nullptr) {
-    best.value += goal->correction;
+    best.value += goal->best_correction();
     best.error = goal->error_bar;
     best.no_error = goal->no_error_bar;
     best.of_box = goal->of_box;
-    best.is_corrected = true;
+    best.is_goal = true;
+    best.is_corrected = goal->is_corrected;
+    best.is_coarse = goal->is_coarse;
   }
   return best;
 }
@@ -34,7 +36,7 @@ BestValue through_midplane(const Analysis& analysis, double force, std::string q
   const auto* goal = goal_of(analysis, Goal::Kind::midplane, 0, "");
   auto best = corrected(std::move(quantity), force, "midplane", goal);
   // The goal is the force away from the mirror.
-  if (goal != nullptr) best.value = force + std::copysign(1.0, force * *goal->value) * goal->correction;
+  if (goal != nullptr) best.value = force + std::copysign(1.0, force * *goal->value) * goal->best_correction();
   return best;
 }
 

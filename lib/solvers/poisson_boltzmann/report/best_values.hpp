@@ -16,7 +16,9 @@ struct BestValue {
   std::optional<double> error;  ///< error bar; nothing where `no_error` says why
   std::string no_error;
   double of_box = 0;          ///< part of `error`
-  bool is_corrected = false;  ///< by the estimated error of a goal
+  bool is_goal = false;       ///< a goal estimates its error
+  bool is_corrected = false;  ///< by the estimated error of a goal, where that holds
+  bool is_coarse = false;     ///< `GoalResult::is_coarse`
   std::string from;           ///< "volume", "midplane", "reaction": the form
 };
 

@@ -37,10 +37,10 @@ Level level_of(const Domain& domain, const Case& input, const Analysis& analysis
   Level level{info.n_global_cells, domain.n_global_nodes(), {}};
   for (const auto& patch : analysis.patches)
     for (const auto& best : best_values(input, analysis, patch))
-      level.values.push_back({patch.name, best.quantity, best.value, best.error, best.is_corrected});
+      level.values.push_back({patch.name, best.quantity, best.value, best.error, best.is_goal});
   for (const auto& result : analysis.goals)
     if (result.goal.body.empty() && result.goal.kind == Goal::Kind::energy && result.value)
-      level.values.push_back({"", result.goal.name, *result.value + result.correction, result.error_bar, true});
+      level.values.push_back({"", result.goal.name, *result.value + result.best_correction(), result.error_bar, true});
   return level;
 }
 

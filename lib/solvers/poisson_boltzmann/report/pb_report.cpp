@@ -33,9 +33,10 @@ json goal_json(const GoalResult& result) {
           {"value", result.value ? json(*result.value) : json(nullptr)},
           {"error_bound", result.error_bound},
           {"correction", result.correction},
-          {"corrected", result.value ? json(*result.value + result.correction) : json(nullptr)},
+          {"corrected", result.value && result.is_corrected ? json(*result.value + result.correction) : json(nullptr)},
           {"error_bar", number_json(result.error_bar)},
           {"box_error", result.of_box},
+          {"coarse", result.is_coarse},
           {"error_withheld", text_json(result.no_error_bar)}};
 }
 
@@ -90,7 +91,7 @@ void add_patch(const Case& input, const Analysis& analysis, const PatchResult& p
   for (const auto& best : best_values(input, analysis, patch)) {
     auto& entry = report["best"][patch.name][best.quantity];
     entry = {{"value", best.value}, {"error", number_json(best.error)}, {"from", best.from}};
-    if (best.is_corrected) {
+    if (best.is_goal) {
       entry["error_withheld"] = text_json(best.no_error);
       entry["box_error"] = best.of_box;
     }
@@ -176,8 +177,8 @@ namespace {
 std::string beside_charge(const Case& input, const PatchResult& patch, const BestValue& best) {
   const auto& layer = patch.layer;
   const auto* boundary = input.find_boundary(patch.name);
-  if (best.quantity != "charge" || best.is_corrected || input.solver.order != 1 || layer.is_known ||
-      boundary == nullptr || boundary->condition != Condition::potential || layer.ratio <= largest_ratio_of_charge_bar)
+  if (best.quantity != "charge" || best.is_goal || input.solver.order != 1 || layer.is_known || boundary == nullptr ||
+      boundary->condition != Condition::potential || layer.ratio <= largest_ratio_of_charge_bar)
     return "";
   return fmt::format("; may be {:.2g} % too large: cells {:.2g} layers high, use order = 2", layer.excess_percent(),
                      layer.ratio);
@@ -185,10 +186,10 @@ std::string beside_charge(const Case& input, const PatchResult& patch, const Bes
 
 /// What a reader of the value has to know of its error bar: why there is none, or what it lacks.
 std::string beside_error(const Case& input, const std::optional<double>& error, const std::string& no_error,
-                         double of_box) {
+                         double of_box, bool is_coarse) {
   const auto beyond = error ? beyond_error_bars(input) : "no error bar: " + no_error;
   return (error && of_box > 0 ? fmt::format("; {:.2g} of it for the box", of_box) : "") +
-         (beyond.empty() ? "" : "; " + beyond);
+         (error && is_coarse ? "; coarse mesh: compare two levels" : "") + (beyond.empty() ? "" : "; " + beyond);
 }
 
 void describe_patch(const Case& input, const Analysis& analysis, const PatchResult& patch,
@@ -203,8 +204,11 @@ void describe_patch(const Case& input, const Analysis& analysis, const PatchResu
     const auto unit = unit_of(best.quantity, units);
     lines.push_back(fmt::format("  best {:<9} {}{}  ({}{}{}{})", best.quantity, with_error(best.value, best.error),
                                 unit ? fmt::format("  {:.4e} {}", *unit * best.value, unit_name(best.quantity)) : "",
-                                best.from, best.is_corrected ? ", corrected" : "",
-                                beside_error(input, best.error, best.no_error, best.of_box),
+                                best.from,
+                                best.is_corrected ? ", corrected"
+                                : best.is_goal    ? ", not corrected"
+                                                  : "",
+                                beside_error(input, best.error, best.no_error, best.of_box, best.is_coarse),
                                 beside_charge(input, patch, best)));
   }
   if (patch.charge) {
@@ -247,12 +251,12 @@ std::vector<std::string> describe_results(const Case& input, const Analysis& ana
                                 std::sqrt(estimate.total_squared / estimate.norm_squared),
                                 estimate.total_squared / estimate.norm_squared));
   for (const auto& result : analysis.goals)
-    lines.push_back(fmt::format("goal {}{} = {}, estimated error {:.3e}, sum of the cells' shares {:.3e}{}{}",
-                                result.goal.name, result.goal.body.empty() ? "" : " of " + result.goal.body,
-                                result.value ? fmt::format("{:.9g}", *result.value) : "not given", result.correction,
-                                result.error_bound,
-                                result.error_bar ? fmt::format(", error bar {:.2g}", *result.error_bar) : "",
-                                beside_error(input, result.error_bar, result.no_error_bar, result.of_box)));
+    lines.push_back(
+        fmt::format("goal {}{} = {}, estimated error {:.3e}, sum of the cells' shares {:.3e}{}{}", result.goal.name,
+                    result.goal.body.empty() ? "" : " of " + result.goal.body,
+                    result.value ? fmt::format("{:.9g}", *result.value) : "not given", result.correction,
+                    result.error_bound, result.error_bar ? fmt::format(", error bar {:.2g}", *result.error_bar) : "",
+                    beside_error(input, result.error_bar, result.no_error_bar, result.of_box, result.is_coarse)));
   if (analysis.manufactured_l2)
     lines.push_back(fmt::format("manufactured solution: error {:.6e} (L2), {:.6e} (H1)", *analysis.manufactured_l2,
                                 *analysis.manufactured_h1));
