@@ -107,8 +107,9 @@ void report_groups(cli::Session& session, const Options& options, const mesh::Di
   if (options.interfaces && names.size() == mesh.info.patches.size())
     session.warn("--interfaces: expected two regions or more (cell field 'region'), found one: nothing to write");
   if (!to_medit) return;
-  const auto reference = io::medit_references(names, groups.number);
-  for (std::size_t p = 0; p < reference.size(); ++p) report["references"][names[p]] = reference[p];
+  const auto reference = io::medit_references(mesh.info, names, groups.number);
+  for (std::size_t p = 0; p < reference.size(); ++p)
+    if (reference[p] >= 0) report["references"][names[p]] = reference[p];
 }
 
 /// Patches that get a surface by name.

@@ -24,6 +24,7 @@
 #include "pamr/mesh/fingerprint.hpp"
 #include "pamr/mesh/inner_patches.hpp"
 #include "pamr/mesh/tet.hpp"
+#include "pamr/mesh/untagged_patch.hpp"
 #include "pamr/validate/validate.hpp"
 #include "python/numpy_arrays.hpp"
 #include "python/python_mesh.hpp"
@@ -320,6 +321,7 @@ void bind_arrays(py::class_<PythonMesh, SharedMesh>& type) {
 }  // namespace
 
 void bind_mesh(py::module_& module) {
+  module.attr("untagged_kind") = mesh::untagged_kind;
   py::class_<PythonMesh, SharedMesh> type(module, "Mesh");
   bind_arrays(type);
   type.def_property_readonly("patches", [](const PythonMesh& mesh) {

@@ -300,7 +300,7 @@ def test_files_of_triangles_say_what_is_left_out():
 
 
 def test_patches_have_the_tags_of_their_numbers():
-    """Without numbers from 0 on; where some patches have numbers, faces that had no tag come back without one."""
+    """Without numbers from 0 on; faces that had no tag come back without one, those of a patch that is called `boundary` have it."""
     from pamr.interop import _tags_of_patches
     points, cells, triangles, tags = cube_arrays(1)
     given = [(share(points, 1), share(cells, 2), (share(triangles, 3), share(tags, 3)), {1: "a", 2: "boundary"})]

@@ -290,6 +290,7 @@ def test_the_level_that_files_show_is_no_field():
     for tags in (None, "patch"):  # our own files say which names their patches have
         mesh = pamr.from_meshio(COMM, meshio.read("mesh.vtu") if COMM.rank == 0 else None, tags=tags)
         assert set(mesh.cell_fields) == {"mark", "region"} and mesh.patches == ["floor", "boundary"]
+        assert [kind for _, kind, _ in mesh._core.patches] == ["", "untagged"]
     mesh.write("mesh.hdf")
     assert set(pamr.Mesh.read(COMM, "mesh.hdf").cell_fields) == set(mesh.cell_fields)
     mesh.cell_fields["level"] = np.zeros(len(mesh.cells), np.uint8)

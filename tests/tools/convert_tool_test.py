@@ -361,7 +361,7 @@ def test_torn_meshes_are_told_and_welded_whatever_the_format():
     told = run("pamr-convert", two_boxes((0.4, 0.1, 0.3), "inside.vtu"), "inside.hdf", "--json", "-")
     assert told.json["overlaps"] > 0 and "the mesh overlaps itself" in told.err and "--weld" not in told.err
     refuses("pamr-convert", "inside.vtu", "strict.hdf", "--strict", says=["96 faces without"], creates="strict.hdf")
-    run("pamr-convert", "inside.hdf", "inside.msh", "--quiet")
+    run("pamr-convert", "inside.hdf", "inside.msh", "--kind", "boundary=patch", "--quiet")
     refuses("pamr-convert", "inside.msh", "strict.hdf", "--strict", says=["overlaps itself"], creates="strict.hdf")
     kuhn_cube("whole.hdf", 2)
     run("pamr-mark", "whole.hdf", "-o", "marked.hdf", "--all", "--quiet")

@@ -188,9 +188,9 @@ def arrays_of(data):
 
 
 def patch_names(grid):
-    """By number, as pamr-convert writes them: an array `patch NAME` with the number for each patch."""
-    return {int(values[0]): name[len("patch "):] for name, values in arrays_of(grid.GetFieldData()).items()
-            if name.startswith("patch ")}
+    """By number, as pamr-convert writes them: an array `patch NAME` (or `untagged patch NAME`) with the number for each patch."""
+    return {int(values[0]): name[len(start):] for name, values in arrays_of(grid.GetFieldData()).items()
+            for start in ("patch ", "untagged patch ") if name.startswith(start)}
 
 
 def mesh_of_vtk(file, grid):

@@ -14,6 +14,7 @@
 #include "pamr/base/index.hpp"
 #include "pamr/mesh/box_of_nodes.hpp"
 #include "pamr/mesh/tet.hpp"
+#include "pamr/mesh/untagged_patch.hpp"
 
 namespace pamr::meshing {
 
@@ -135,7 +136,7 @@ void split_patch(const par::Comm& comm, mesh::DistMesh& mesh, const CadModel& mo
     const auto name = name_of_face(model, static_cast<int>(f), patches);
     patch_of_face[f] = static_cast<int>(is_free ? patch : patches.size());
     if (is_free)
-      patches[patch].name = name;
+      patches[patch].name = name, patches[patch].kind.clear();
     else
       patches.push_back({name, ""});
     is_free = false;
@@ -175,10 +176,8 @@ std::vector<CadPatch> find_cad_faces(const par::Comm& comm, mesh::DistMesh& mesh
   for (const auto& patch : mesh.info.patches) is_wanted.push_back(!is_named(patch.name));
   auto faces = find_faces(mesh, model, tolerance, is_wanted);
   const auto& patches = mesh.info.patches;
-  const auto untagged =
-      std::find_if(patches.begin(), patches.end(), [](const auto& p) { return p.name == untagged_patch; });
-  if (untagged != patches.end() && !is_named(untagged_patch))
-    split_patch(comm, mesh, model, static_cast<std::size_t>(untagged - patches.begin()), faces);
+  const auto untagged = mesh::find_untagged(patches);
+  if (untagged < patches.size() && !is_named(patches[untagged].name)) split_patch(comm, mesh, model, untagged, faces);
 
   const auto n_faces = model.faces().size();
   const auto counts = count(comm, faces, patches.size(), n_faces);

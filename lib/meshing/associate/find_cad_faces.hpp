@@ -12,9 +12,6 @@
 
 namespace pamr::meshing {
 
-/// The patch that readers make of boundary faces without a tag: it is split by the faces of the shape.
-inline constexpr const char* untagged_patch = "boundary";
-
 /// Where a patch lies on a CAD shape.
 struct CadPatch {
   std::string patch;
@@ -36,9 +33,9 @@ struct CadSearch {
 
 /// Finds by geometry on which face of a shape each boundary face of the mesh lies: one from which none of its corners
 /// is farther than the tolerance, and of several the one that is nearest to its middle. The patches of the mesh without
-/// those that are left alone. The patch `untagged_patch` is split into one for each face, named as the face, or face_N.
-/// Collective. Throws `Error` if nothing of the mesh is on the shape. The same on any number of ranks. Cost: some
-/// projections for each boundary node and face.
+/// those that are left alone. The patch of faces without a tag is split into one for each face of the shape, named as
+/// the face, or face_N. Collective. Throws `Error` if nothing of the mesh is on the shape. The same on any number of
+/// ranks. Cost: some projections for each boundary node and face.
 std::vector<CadPatch> find_cad_faces(const par::Comm& comm, mesh::DistMesh& mesh, const geometry::CadModel& model,
                                      const geometry::CadSource& source, const CadSearch& search);
 

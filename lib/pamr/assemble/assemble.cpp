@@ -18,6 +18,7 @@
 #include "pamr/mesh/id_map.hpp"
 #include "pamr/mesh/level0_map.hpp"
 #include "pamr/mesh/local_size.hpp"
+#include "pamr/mesh/untagged_patch.hpp"
 #include "pamr/par/exchange.hpp"
 
 namespace pamr::assemble {
@@ -100,7 +101,7 @@ mesh::DistMesh assemble(const par::Comm& comm, mesh::BlockMesh block, std::span<
     link_neighbors(comm, mesh, std::move(cells.neighbor), owners);
     if (contents.has_boundary) compare_boundary(comm, mesh, block.boundary);
   } else {
-    if (mesh.info.patches.empty()) mesh.info.patches.push_back({"boundary", "patch"});
+    if (mesh.info.patches.empty()) mesh.info.patches.push_back(mesh::untagged_patch({}));
     build_neighbors(comm, mesh);
     if (contents.has_boundary) tag_boundary(comm, mesh, block.boundary);
   }

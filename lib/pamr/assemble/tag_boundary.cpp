@@ -17,6 +17,7 @@
 #include "pamr/mesh/face_groups.hpp"
 #include "pamr/mesh/inner_patches.hpp"
 #include "pamr/mesh/tet.hpp"
+#include "pamr/mesh/untagged_patch.hpp"
 #include "pamr/par/exchange.hpp"
 #include "pamr/par/gather_few.hpp"
 #include "pamr/par/mailbox.hpp"
@@ -265,14 +266,15 @@ BoundaryMatch match_boundary(const par::Comm& comm, mesh::DistMesh& mesh, const 
 
 void tag_boundary(const par::Comm& comm, mesh::DistMesh& mesh, const mesh::BoundaryTriangles& triangles) {
   auto& patches = mesh.info.patches;
-  const auto rest =
-      std::find_if(patches.begin(), patches.end(), [](const auto& patch) { return patch.name == "boundary"; });
+  auto rest = std::find_if(patches.begin(), patches.end(), mesh::is_untagged);
+  if (rest == patches.end())
+    rest = std::find_if(patches.begin(), patches.end(), [](const auto& patch) { return patch.name == "boundary"; });
   const auto untagged = static_cast<int>(rest - patches.begin());
   const bool is_new = rest == patches.end();
   const auto match = match_boundary(comm, mesh, triangles, untagged);
   if (match.first_misfit) refuse(comm, mesh, triangles, *match.first_misfit);
   require_one_patch(mesh.info, match);
-  if (match.n_untagged > 0 && is_new) patches.push_back({"boundary", "patch"});
+  if (match.n_untagged > 0 && is_new) patches.push_back(mesh::untagged_patch(patches));
 }
 
 void compare_boundary(const par::Comm& comm, mesh::DistMesh& mesh, const mesh::BoundaryTriangles& triangles) {

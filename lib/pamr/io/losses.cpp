@@ -17,6 +17,7 @@
 #include "pamr/mesh/level0_key.hpp"
 #include "pamr/mesh/region_faces.hpp"
 #include "pamr/mesh/undescribed_patches.hpp"
+#include "pamr/mesh/untagged_patch.hpp"
 
 namespace pamr::io {
 
@@ -86,7 +87,7 @@ std::string text_of_kinds(const Format& format, const mesh::MeshInfo& info, cons
     const auto& kind = info.patches[p].kind;
     const bool has_place =
         !inside[p] && std::find(format.kinds.begin(), format.kinds.end(), kind) != format.kinds.end();
-    if (has_place || kind.empty() || kind == "patch") continue;  // which stands for none
+    if (has_place || kind.empty() || kind == "patch" || kind == mesh::untagged_kind) continue;  // which stand for none
     ++n;
     if (std::find(kinds.begin(), kinds.end(), in_quotes(kind)) == kinds.end()) kinds.push_back(in_quotes(kind));
   }
@@ -129,9 +130,9 @@ std::string text_of_references(const mesh::MeshInfo& info) {
     names.push_back(patch.name);
     numbers.push_back(patch.number);
   }
-  const auto reference = medit_references(names, numbers);
+  const auto reference = medit_references(info, names, numbers);
   for (std::size_t p = 0; p < names.size(); ++p)
-    if (names[p] != fmt::format("ref_{}", reference[p]))
+    if (reference[p] >= 0 && names[p] != fmt::format("ref_{}", reference[p]))
       changed.push_back(fmt::format("{} for {}", reference[p], in_quotes(names[p])));
   if (changed.empty()) return {};
   return fmt::format("{}: {}{}",

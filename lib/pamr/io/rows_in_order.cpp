@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "pamr/mesh/region_faces.hpp"
+#include "pamr/mesh/untagged_patch.hpp"
 #include "pamr/par/exchange.hpp"
 #include "pamr/par/gather_few.hpp"
 
@@ -55,6 +56,13 @@ RowsInOrder rows_in_order(const par::Comm& comm, const mesh::DistMesh& mesh, con
       mid[c][e] = ids[static_cast<std::size_t>(second_order->cell_to_mid[c][e])] - first;
   rows.cell_to_mid = par::scatter_rows<std::array<GlobalId, 6>>(comm, mesh.info.cell_ids(), mid, 1, mesh.cell_global);
   return rows;
+}
+
+void leave_out_untagged(RowsInOrder& rows, const mesh::MeshInfo& info) {
+  const auto untagged = mesh::find_untagged(info.patches);
+  if (untagged == info.patches.size()) return;
+  for (auto& groups : rows.group)
+    std::replace(groups.begin(), groups.end(), static_cast<std::int32_t>(untagged), std::int32_t{-1});
 }
 
 mesh::CellField cells_in_order(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::CellField& field) {

@@ -38,6 +38,9 @@ struct RowsInOrder {
 RowsInOrder rows_in_order(const par::Comm& comm, const mesh::DistMesh& mesh,
                           const mesh::SecondOrder* second_order = nullptr, Interfaces interfaces = Interfaces::none);
 
+/// Leaves out the faces without a tag, for formats that allow that: they get the group -1. Local.
+void leave_out_untagged(RowsInOrder& rows, const mesh::MeshInfo& info);
+
 /// The values of a field in that order. Collective.
 mesh::CellField cells_in_order(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::CellField& field);
 mesh::NodeField nodes_in_order(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::NodeField& field);

@@ -108,9 +108,9 @@ class DolfinxMesh(NamedTuple):
 
 
 def _tags_of_patches(mesh: Mesh) -> dict[int, int]:
-    """The tag of each patch by index. Where patches have numbers, faces that had no tag come back without one."""
+    """The tag of each patch by index. Faces that had no tag come back without one."""
     numbers, names = mesh.patch_numbers, mesh.patches
-    tagged = [patch for patch, name in enumerate(names) if numbers[patch] >= 0 or name != "boundary" or max(numbers) < 0]
+    tagged = [patch for patch, (_, kind, _) in enumerate(mesh._core.patches) if kind != _core.untagged_kind]
     return dict(zip(tagged, _core.tags_of_patches([names[patch] for patch in tagged], [numbers[patch] for patch in tagged])))
 
 

@@ -20,8 +20,8 @@ TAGS = (PHYSICAL, ENTITY, "medit:ref", "tetgen:ref", "netgen:index", "ugrid:ref"
         "avsucd:material", "CellEntityIds")
 PREFIX = {PHYSICAL: "physical_", ENTITY: "surface_", "medit:ref": "ref_", "ugrid:ref": "surface_"}  #: as the readers of these formats
 REGION = "region"
-# Of the files that PAMR writes: numbers of patches, whose names stand in field data.
-OWN_TAGS, OWN_NAMES = ("boundary_patch", "patch"), "patch "
+# Of the files that PAMR writes: numbers of patches, whose names stand in field data, the second for faces without a tag.
+OWN_TAGS, OWN_NAMES = ("boundary_patch", "patch"), ("patch ", "untagged patch ")
 
 
 #: Nodes of the cells that are cut, what they become, and how many.
@@ -199,8 +199,8 @@ def _group(mesh: Any, kind: str, key: Optional[str], names: Optional[Mapping[int
         if key == PHYSICAL:  # format 4.1 has a minus where the group has an entity with its orientation reversed
             tags = np.abs(tags)
     if names is None and key in OWN_TAGS:
-        names = {int(np.ravel(v)[0]): k[len(OWN_NAMES):] for k, v in mesh.field_data.items() if k.startswith(OWN_NAMES)}
-        names = names if dimension == 2 else {}
+        names = {int(np.ravel(v)[0]): k[len(before):] if before == OWN_NAMES[0] else (k[len(before):], _core.untagged_kind)
+                 for k, v in mesh.field_data.items() for before in OWN_NAMES if k.startswith(before) and dimension == 2}
     elif names is None:
         names = {int(v[0]): k for k, v in mesh.field_data.items() if np.shape(v) == (2,) and v[1] == dimension}
     names = dict(names)

@@ -10,6 +10,7 @@
 
 #include "pamr/base/error.hpp"
 #include "pamr/mesh/level0_key.hpp"
+#include "pamr/mesh/untagged_patch.hpp"
 #include "pamr/par/exchange.hpp"
 #include "support/meshes.hpp"
 #include "support/reference.hpp"
@@ -153,7 +154,7 @@ TEST(Assemble, BuildsTheNeighborsOfTheSerialTwin) {
     const auto block = test::without_neighbors(test::random_mesh(comm, seed, 3));
     auto expected = test::gather(comm, block);
     expected.cell_to_cell = test::reference_neighbors(expected.cell_to_node);
-    expected.info.patches = {{"boundary", "patch"}};
+    expected.info.patches = {mesh::untagged_patch({})};
 
     const auto stayed = assemble(comm, block);
     const auto sent = assemble(comm, block, test::random_destinations(comm, block, seed));

@@ -12,6 +12,7 @@
 #include "pamr/base/error.hpp"
 #include "pamr/base/listed.hpp"
 #include "pamr/mesh/periodic_patches.hpp"
+#include "pamr/mesh/untagged_patch.hpp"
 
 namespace pamr::io {
 
@@ -64,8 +65,10 @@ std::vector<std::string> remarks_of(const ElementMesh& read) {
     remarks.push_back(counted(read.n_untagged_triangles, "triangle without tag was", "triangles without tag were") +
                       " left out");
   if (read.n_untagged_faces > 0)
-    remarks.push_back(counted(read.n_untagged_faces, "boundary face without tag is", "boundary faces without tag are") +
-                      " in the patch 'boundary'");
+    remarks.push_back(
+        fmt::format("{} in the patch '{}'",
+                    counted(read.n_untagged_faces, "boundary face without tag is", "boundary faces without tag are"),
+                    read.mesh.info.patches.at(mesh::find_untagged(read.mesh.info.patches)).name));
   if (auto warning = mesh::warning_of_periodic(read.mesh.info.patches); !warning.empty())
     remarks.push_back(std::move(warning));
   return remarks;

@@ -24,6 +24,7 @@
 #include "pamr/io/text.hpp"
 #include "pamr/mesh/inner_patches.hpp"
 #include "pamr/mesh/region_faces.hpp"
+#include "pamr/mesh/untagged_patch.hpp"
 #include "pamr/order/order_along_curve.hpp"
 #include "pamr/par/exchange.hpp"
 #include "pamr/par/gather_few.hpp"
@@ -366,15 +367,12 @@ void renumber(const par::Comm& comm, const order::Ordered& ordered, GlobalId n_n
   std::vector<GlobalId> flat;
   for (const auto& face : triangle) flat.insert(flat.end(), face.begin(), face.end());
   // a node that only triangles have was left out: such a triangle is apart from the cells
-  std::vector<std::size_t> known;
-  std::vector<GlobalId> ask;
-  for (std::size_t i = 0; i < flat.size(); ++i)
-    if (flat[i] >= 0) {
-      known.push_back(i);
-      ask.push_back(flat[i]);
-    }
-  const auto answer = par::fetch_rows<GlobalId>(comm, n_nodes, new_number, 1, ask);
-  for (std::size_t k = 0; k < known.size(); ++k) flat[known[k]] = answer[k];
+  std::vector<GlobalId> known;
+  std::copy_if(flat.begin(), flat.end(), std::back_inserter(known), [](GlobalId node) { return node >= 0; });
+  const auto answer = par::fetch_rows<GlobalId>(comm, n_nodes, new_number, 1, known);
+  auto next = answer.begin();
+  for (auto& node : flat)
+    if (node >= 0) node = *next++;
   for (std::size_t t = 0; t < triangle.size(); ++t) triangle[t] = {flat[3 * t], flat[3 * t + 1], flat[3 * t + 2]};
 }
 
@@ -485,14 +483,15 @@ ElementMesh mesh_of_elements(const par::Comm& comm, ElementParts parts, const st
     for (const auto& region : result.mesh.info.regions)
       require_clean_name(fmt::format("region {}", region.number), region.name);
   });
-  const auto match = assemble::match_boundary(comm, result.mesh, boundary, static_cast<int>(patches.size()));
+  const auto untagged = mesh::find_untagged(patches);
+  const auto match = assemble::match_boundary(comm, result.mesh, boundary, static_cast<int>(untagged));
   require_fitting_triangles(match, source, first_misfit(comm, parts, match, patch_of_group));
   result.n_untagged_faces = match.n_untagged;
   for (std::size_t p = 0; p < match.n_inner.size(); ++p)
     if (match.n_inner[p] > 0) result.inner_faces[patches[p].name] = match.n_inner[p];
   for (const auto& [pair, n] : match.in_two_patches)
     result.overlaps.push_back({2, patches[at(pair.first)].name, patches[at(pair.second)].name, n});
-  if (result.n_untagged_faces > 0) patches.push_back({"boundary", ""});
+  if (result.n_untagged_faces > 0 && untagged == patches.size()) patches.push_back(mesh::untagged_patch(patches));
   if (!match.in_two_patches.empty()) drop_patches_without_faces(comm, result.mesh);
   return result;
 }

@@ -169,6 +169,7 @@ class CgnsWriter {
         remark_(remark),
         rows_(rows_in_order(comm, mesh, nullptr, Interfaces::patches)),
         out_(comm, file) {
+    leave_out_untagged(rows_, mesh.info);
     is_inside_ = mesh::patches_inside_alone(comm, mesh);
     collect_faces();
     std::int64_t n_elements = mesh.info.n_global_cells;

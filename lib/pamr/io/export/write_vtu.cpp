@@ -15,7 +15,9 @@
 #include "pamr/io/export/exported_fields.hpp"
 #include "pamr/io/rows_in_order.hpp"
 #include "pamr/io/shared_output.hpp"
+#include "pamr/io/vtk/vtk_grid.hpp"
 #include "pamr/mesh/tet.hpp"
+#include "pamr/mesh/untagged_patch.hpp"
 
 namespace pamr::io {
 
@@ -230,7 +232,8 @@ void write_vtu(const par::Comm& comm, const std::filesystem::path& file, const m
   header.line("<FieldData>");  // names as names: readers other than VTK's stumble over arrays of text
   for (std::size_t p = 0; p < mesh.info.patches.size(); ++p)
     header.line(
-        fmt::format("<DataArray type=\"Int32\" Name=\"patch {}\" NumberOfTuples=\"1\" format=\"ascii\">{}</DataArray>",
+        fmt::format("<DataArray type=\"Int32\" Name=\"{}{}\" NumberOfTuples=\"1\" format=\"ascii\">{}</DataArray>",
+                    mesh::is_untagged(mesh.info.patches[p]) ? vtk::before_untagged : vtk::before_patch,
                     escaped(mesh.info.patches[p].name), p));
   header.line("</FieldData>");
   header.line(fmt::format("<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">", n_nodes, n_all));

@@ -25,6 +25,7 @@
 #include "pamr/mesh/box_of_nodes.hpp"
 #include "pamr/mesh/region_faces.hpp"
 #include "pamr/mesh/tet.hpp"
+#include "pamr/mesh/untagged_patch.hpp"
 
 namespace pamr::io {
 
@@ -108,6 +109,9 @@ class Physicals {
   std::vector<std::int64_t> number;
   std::vector<std::vector<std::size_t>> of_part;
 
+  /// Adds a part that has no elements in the file.
+  void add_none() { of_part.emplace_back(); }
+
   /// Adds a part; the groups of several parts are one if they have the same number and name.
   void add(const mesh::Group& own, const std::vector<mesh::Group>& groups) {
     auto& physicals = of_part.emplace_back();
@@ -174,6 +178,14 @@ Elements<Order> collect(const par::Comm& comm, const mesh::DistMesh& mesh, const
   return elements;
 }
 
+/// Faces without a tag are left out, as Gmsh itself does where others have one. Collective.
+RowsInOrder tagged_rows(const par::Comm& comm, const mesh::DistMesh& mesh, const mesh::SecondOrder* second_order,
+                        Interfaces interfaces) {
+  auto rows = rows_in_order(comm, mesh, second_order, interfaces);
+  leave_out_untagged(rows, mesh.info);
+  return rows;
+}
+
 /// Names as Gmsh reads them back: a `"` would end one, and "(127 characters max)" is what the manual says. Local.
 std::vector<std::string> physical_names(const char* what, const std::vector<std::string>& names, const Remark& remark) {
   const auto is_allowed = [](char c) { return c != '"'; };
@@ -190,10 +202,14 @@ class Writer {
         mesh_(mesh),
         binary_(options.binary),
         out_(comm, file),
-        rows_(rows_in_order(comm, mesh, second_order, options.interfaces)),
+        rows_(tagged_rows(comm, mesh, second_order, options.interfaces)),
         elements_(collect<Order>(comm, mesh, rows_)) {
     for (std::size_t p = 0; p < rows_.group_name.size(); ++p) {
       const bool is_patch = p < mesh.info.patches.size();
+      if (is_patch && mesh::is_untagged(mesh.info.patches[p])) {
+        surfaces_.add_none();
+        continue;
+      }
       surfaces_.add({is_patch ? rows_.patch_number[p] : -1, rows_.group_name[p]},
                     is_patch ? mesh.info.patches[p].groups : std::vector<mesh::Group>());
     }
@@ -329,7 +345,8 @@ class Writer {
     if (comm_.is_first()) {
       record.large(0);
       record.large(0);
-      record.large(static_cast<std::int64_t>(n_triangles_.size()));
+      record.large(std::count_if(surfaces_.of_part.begin(), surfaces_.of_part.end(),
+                                 [](const auto& groups) { return !groups.empty(); }));
       record.large(static_cast<std::int64_t>(elements_.region.all.size()));
       record.end_line();
       const std::array<double, 6> box{low.x, low.y, low.z, high.x, high.y, high.z};
@@ -341,7 +358,8 @@ class Writer {
         record.large(0);
         record.end_line();
       };
-      for (std::size_t p = 0; p < n_triangles_.size(); ++p) entity(p, surfaces_, surfaces_.of_part[p]);
+      for (std::size_t p = 0; p < n_triangles_.size(); ++p)
+        if (!surfaces_.of_part[p].empty()) entity(p, surfaces_, surfaces_.of_part[p]);
       for (std::size_t r = 0; r < elements_.region.all.size(); ++r)
         entity(r, volumes_, groups_of_region(elements_.region.all[r]));
     }

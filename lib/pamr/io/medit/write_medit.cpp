@@ -15,6 +15,7 @@
 #include "pamr/io/medit/gmf.hpp"
 #include "pamr/io/rows_in_order.hpp"
 #include "pamr/io/shared_output.hpp"
+#include "pamr/mesh/untagged_patch.hpp"
 
 namespace pamr::io {
 
@@ -198,17 +199,26 @@ Section section_of(gmf::Keyword keyword, const char* name, std::int64_t n,
 
 }  // namespace
 
-std::vector<std::int64_t> medit_references(const std::vector<std::string>& names,
-                                           const std::vector<std::int64_t>& numbers) {
-  return patch_numbers(names, "ref_", 0, numbers);
+std::vector<std::int64_t> medit_references(const mesh::MeshInfo& info, std::vector<std::string> names,
+                                           std::vector<std::int64_t> numbers) {
+  const auto untagged = static_cast<std::ptrdiff_t>(mesh::find_untagged(info.patches));
+  const bool has_untagged = untagged < std::ssize(info.patches);
+  if (has_untagged) {
+    names.erase(names.begin() + untagged);
+    numbers.erase(numbers.begin() + untagged);
+  }
+  auto references = patch_numbers(names, "ref_", 0, numbers);
+  if (has_untagged) references.insert(references.begin() + untagged, -1);
+  return references;
 }
 
 void write_medit(const par::Comm& comm, const std::filesystem::path& file, const mesh::DistMesh& mesh,
                  Interfaces interfaces) {
-  const auto in_order = rows_in_order(comm, mesh, nullptr, interfaces);
+  auto in_order = rows_in_order(comm, mesh, nullptr, interfaces);
+  leave_out_untagged(in_order, mesh.info);
   const auto boundary = boundary_rows(in_order);
   const auto region = regions_of(comm, mesh, in_order.cell_to_node.size());
-  const auto reference = medit_references(in_order.group_name, in_order.patch_number);
+  const auto reference = medit_references(mesh.info, in_order.group_name, in_order.patch_number);
   std::vector<Section> sections{
       {.keyword = gmf::vertices, .name = "Vertices", .n = in_order.n_nodes, .n_reals = 3, .n_integers = 1},
       {.keyword = gmf::triangles, .name = "Triangles", .n = comm.sum(std::ssize(boundary)), .n_integers = 4},

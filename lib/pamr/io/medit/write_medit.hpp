@@ -22,9 +22,9 @@ void write_medit(const par::Comm& comm, const std::filesystem::path& file, const
                  Interfaces interfaces = Interfaces::patches);
 
 /// The reference of each group of triangles (`TriangleGroups`): the user's number, N for `ref_N`, the lowest free number
-/// from 1 on for the others (`patch_numbers`).
-std::vector<std::int64_t> medit_references(const std::vector<std::string>& names,
-                                           const std::vector<std::int64_t>& numbers);
+/// from 1 on for the others (`patch_numbers`); -1 for the patch of faces without a tag, which are not in the file.
+std::vector<std::int64_t> medit_references(const mesh::MeshInfo& info, std::vector<std::string> names,
+                                           std::vector<std::int64_t> numbers);
 
 /// Fields of a mesh for a file of Medit.
 struct MeditFields {

@@ -19,6 +19,7 @@
 #include "pamr/io/text.hpp"
 #include "pamr/mesh/inner_patches.hpp"
 #include "pamr/mesh/level0_key.hpp"
+#include "pamr/mesh/untagged_patch.hpp"
 
 namespace pamr::io {
 
@@ -69,7 +70,7 @@ class Checker {
     if (catalog_->has_pamr_group)
       extension();
     else
-      layout_.info.patches = {{"boundary", ""}};
+      layout_.info.patches = {mesh::untagged_patch({})};
     inner_patches();
     level0();
     others();
@@ -226,7 +227,7 @@ class Checker {
            fmt::format("this dataset or {}, because there are {} patches", path::boundary, info.patches.size()),
            "none");
     } else if (info.patches.empty()) {
-      info.patches = {{"boundary", ""}};
+      info.patches = {mesh::untagged_patch({})};
     }
     if (catalog_->find_array(path::lineage) != nullptr) {
       layout_.has_lineage = true;

@@ -127,7 +127,7 @@ void LegacyAttributes::keep_colors(const std::string& name, std::int64_t width) 
 void LegacyAttributes::keep(const std::string& name, const LegacyType& type, std::int64_t width, std::int64_t n) {
   if (width < 1 || width > 65536) in_.fail("1 to 65536 components", fmt::format("{}", width));
   in_.checked_count(n < 0 ? n : n / 8, 1, "values");  // eight bits a byte
-  if (!n_rows_ && width * n == 1 && name.starts_with(before_patch) && name != before_patch) {
+  if (!n_rows_ && width * n == 1 && is_patch_name(name)) {
     name_patch(grid_, name, numbers_.integers(type, 1).front());
     return;
   }

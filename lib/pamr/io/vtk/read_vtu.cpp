@@ -60,7 +60,7 @@ WholeMesh read_whole(const std::filesystem::path& file) {
   }
   for (const auto& array : xml.arrays)
     if (array.place == "FieldData") {
-      if (array.name.starts_with(before_patch) && array.name != before_patch)
+      if (is_patch_name(array.name))
         name_patch(grid, array.name, integers_of(xml, array, 1).front());
       else
         grid.left_out.push_back(array.name);

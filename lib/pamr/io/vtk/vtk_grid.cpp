@@ -17,6 +17,7 @@
 #include "pamr/io/elements/element_parts.hpp"
 #include "pamr/io/text.hpp"
 #include "pamr/mesh/region_faces.hpp"
+#include "pamr/mesh/untagged_patch.hpp"
 
 namespace pamr::io::vtk {
 
@@ -49,6 +50,8 @@ constexpr std::int64_t pixel = 8;
 struct CellRows {
   std::vector<std::size_t> of_cells, of_triangles;
 };
+
+constexpr std::array<std::string_view, 2> before_name{before_patch, before_untagged};
 
 CellRows take_cells(const Grid& grid, WholeMesh& mesh) {
   CellRows rows;
@@ -173,8 +176,15 @@ bool is_field(const GridArray& array) {
 
 }  // namespace
 
+bool is_patch_name(std::string_view array) {
+  return std::any_of(before_name.begin(), before_name.end(),
+                     [&](auto before) { return array.starts_with(before) && array != before; });
+}
+
 void name_patch(Grid& grid, std::string_view array, std::int64_t number) {
-  const mesh::Patch patch{std::string(array.substr(before_patch.size())), ""};
+  const bool has_tag = array.starts_with(before_patch);
+  const mesh::Patch patch{std::string(array.substr((has_tag ? before_patch : before_untagged).size())),
+                          has_tag ? "" : mesh::untagged_kind};
   if (!grid.patch_of_tag.emplace(number, patch).second)
     throw Error(fmt::format("field data: expected one name of patch {}, found two", number));
 }

@@ -36,9 +36,12 @@ struct Grid {
   std::int64_t n_named_components = 0;               ///< arrays whose components have names
 };
 
-/// Field data `patch NAME` say the number of a patch, as those of `write_vtu` do.
-inline constexpr std::string_view before_patch = "patch ";
-/// Takes the name of a patch from field data of that name; throws `Error` where the number has one.
+/// Field data `patch NAME` say the number of a patch, as those of `write_vtu` do, and `untagged patch NAME` that of the
+/// patch of faces without a tag.
+inline constexpr std::string_view before_patch = "patch ", before_untagged = "untagged patch ";
+/// Whether field data of that name say the number of a patch.
+bool is_patch_name(std::string_view array);
+/// Takes the name of a patch from such field data; throws `Error` where the number has one.
 void name_patch(Grid& grid, std::string_view array, std::int64_t number);
 
 /// Tetrahedra as cells; triangles with the first integer array of those that PAMR, VTK and meshio use for it as tags,
