@@ -120,7 +120,7 @@ std::vector<std::string> named_patches(const Options& options, const geometry::S
   std::vector<std::string> named;
   for (const auto& name : given)
     for (const int patch : mesh::find_patches(info.patches, name)) named.push_back(info.patches[at(patch)].name);
-  named.insert(named.end(), described.name.begin(), described.name.end());
+  for (auto& name : meshing::names_of_patches_on(described)) named.push_back(std::move(name));
   return named;
 }
 
@@ -147,7 +147,8 @@ void associate(cli::Session& session, const Options& options, const std::string&
     request.files.emplace_back(options.patches[i], options.surface_files[i]);
   std::vector<std::string> named;
   par::agree(comm, [&] {
-    if (!options.surfaces.empty()) request.described = meshing::read_surfaces(surfaces, options.surfaces);
+    if (!options.surfaces.empty())
+      request.described = meshing::read_surfaces(surfaces, options.surfaces, mesh.info.patches);
     named = named_patches(options, request.described, mesh.info);
   });
   if (!options.cad.empty())

@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "meshing/associate/associate_surfaces.hpp"
 #include "meshing/bodies.hpp"
 #include "meshing/cad_case.hpp"
 #include "meshing/charged_spheres.hpp"
@@ -18,6 +19,7 @@
 #include "pamr/base/error.hpp"
 #include "pamr/geometry/cad/cad_surface.hpp"
 #include "pamr/geometry/surface_toml.hpp"
+#include "pamr/geometry/triangulated/triangulated_surface.hpp"
 
 namespace pamr::meshing {
 namespace {
@@ -137,7 +139,8 @@ void read_sizes(const TomlTable& sizes, Combination& c) {
 
 Combination read_combination(const TomlTable& file, const TomlTable& mesh, const std::string& where) {
   Combination c;
-  c.surfaces = std::make_shared<const geometry::SurfaceSet>(geometry::surfaces_of_case(file, where, true));
+  c.surfaces = std::make_shared<const geometry::SurfaceSet>(
+      geometry::surfaces_of_case(file, where, [](const std::string&) { return true; }));
   if (c.surfaces->size() == 0) throw Error(where + ": expected tables [[surface]] for shape \"surfaces\", found none");
   c.region = mesh.text("region", "\"+NAME & -NAME ...\"");
   require_region(mesh, c, where);
@@ -193,13 +196,16 @@ MeshCase read_mesh_case(std::string_view text, const std::string& where) {
   return result;
 }
 
-geometry::SurfaceSet read_surfaces(std::string_view text, const std::string& where) {
+geometry::SurfaceSet read_surfaces(std::string_view text, const std::string& where,
+                                   const std::vector<mesh::Patch>& patches) {
   const auto file = parse_case(text, where);
-  auto surfaces = geometry::surfaces_of_case(file, where);
+  auto surfaces = geometry::surfaces_of_case(file, where, parts_with_patch(patches));
   file.finish();
   const auto tables = file.keys();
   const bool brings_text = std::any_of(surfaces.surface.begin(), surfaces.surface.end(), [](const auto& surface) {
-    return dynamic_cast<const geometry::CadSurface*>(surface.get()) != nullptr;
+    const auto* triangulated = dynamic_cast<const geometry::Triangulated*>(surface.get());
+    return dynamic_cast<const geometry::CadSurface*>(surface.get()) != nullptr ||
+           (triangulated != nullptr && triangulated->has_parts());
   });
   const bool has_surfaces_only = tables.empty() || (tables.size() == 1 && tables[0] == "surface");
   if (has_surfaces_only && !brings_text) surfaces.toml = text;

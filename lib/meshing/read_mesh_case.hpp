@@ -3,9 +3,11 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "meshing/mesh_case.hpp"
 #include "pamr/geometry/surface_set.hpp"
+#include "pamr/mesh/dist_mesh.hpp"
 
 namespace pamr::meshing {
 
@@ -14,8 +16,9 @@ namespace pamr::meshing {
 /// values out of range.
 MeshCase read_mesh_case(std::string_view text, const std::string& where);
 
-/// The surfaces of a case file, or of a file of nothing but surfaces, which keeps its text as it is. Local. Throws as
-/// above.
-geometry::SurfaceSet read_surfaces(std::string_view text, const std::string& where);
+/// The surfaces of a case file, or of a file of nothing but surfaces, which keeps its text as it is, for a mesh with
+/// these patches: they choose the parts of files of triangles (`parts_with_patch`). Local. Throws as above.
+geometry::SurfaceSet read_surfaces(std::string_view text, const std::string& where,
+                                   const std::vector<mesh::Patch>& patches);
 
 }  // namespace pamr::meshing

@@ -249,7 +249,7 @@ std::pair<std::vector<std::tuple<std::string, std::string, double>>, std::vector
   unshare_field(mesh, false, mesh::off_surface_field);
   const Released released;
   meshing::AssociationRequest request;
-  par::agree(*mesh.comm, [&] { request.described = meshing::read_surfaces(toml, "surfaces"); });
+  par::agree(*mesh.comm, [&] { request.described = meshing::read_surfaces(toml, "surfaces", mesh.mesh.info.patches); });
   request.pairs = pairs;
   request.files = files;
   request.feature_angle = feature_angle;

@@ -85,6 +85,58 @@ def test_named_solids_of_an_stl_file_are_patches_whose_borders_stay():
         assert ((border[:, 1:] == 0) | (border[:, 1:] == -.5)).any(axis=1).all() and len(border) >= 8, border
 
 
+def ball_of_two_solids(name, solids, n=12):
+    """A ball of radius 1: the first solid is all above z = 0.5, which is a row of edges."""
+    rows = [np.pi * k / 6 for k in range(1, 6)]
+    rings = [[(np.sin(t) * np.cos(p), np.sin(t) * np.sin(p), np.cos(t)) for p in np.arange(n) * 2 * np.pi / n] for t in rows]
+    rings = [[(0., 0., 1.)] * n, *(list(map(lambda q: tuple(map(float, q)), ring)) for ring in rings), [(0., 0., -1.)] * n]
+    both = [], []
+    for k, (upper, lower) in enumerate(zip(rings, rings[1:])):
+        for i in range(n):
+            a, b, c, d = upper[i], lower[i], lower[(i + 1) % n], upper[(i + 1) % n]
+            both[k >= 2].extend(t for t in ((a, b, c), (a, c, d)) if len(set(t)) == 3)
+    write_solids(name, zip(solids, both))
+
+
+def border_between(name):
+    """Heights of the nodes that all patches of a mesh have in common."""
+    at, nodes = patches(name)
+    return at[np.intersect1d(*nodes.values())][:, 2]
+
+
+def test_a_mesh_of_another_program_gets_the_named_solids_of_its_body():
+    ball_of_two_solids("ball.stl", ("cap", "rest"))
+    run("pamr-mesh", case("ball.toml", "-body", [[-1] * 3, [1] * 3], "far = 0.5", body_toml("ball.stl")), "-o", "made.hdf", serial=True)
+    run("pamr-convert", "made.hdf", "made.msh", "--quiet")
+    pathlib.Path("body.toml").write_text("# mine\n" + body_toml("ball.stl"))
+
+    told = run("pamr-convert", "made.msh", "named.hdf", "--surfaces", "body.toml", "--json", "-")
+    assert {p: tie["surface"] for p, tie in told.json["ties"].items()} == {"cap": "body", "rest": "body"}, told.json["ties"]
+    assert "left out" not in told.err and "across" not in told.err, told.err
+    ball_of_two_solids("other.stl", ("head", "rest of it"))
+    pathlib.Path("other.toml").write_text(body_toml("other.stl"))
+    other = run("pamr-convert", "made.msh", "other.hdf", "--surfaces", "other.toml", "--tie", "cap=body", "--tie", "rest=body")
+    assert "the names of 2 solids" in other.err, other.err
+    off = {}
+    for mesh in ("made", "named", "other"):
+        fine = refine(f"{mesh}.hdf", 1, "--patch", "cap")[-1]
+        assert len(border_between(fine)) > 1.5 * len(border_between("made.hdf"))
+        off[mesh] = np.abs(border_between(fine) - 0.5).max()
+    assert off["named"] < 1.001 * off["made"] + 1e-12 and off["named"] < off["other"] / 5, off
+
+    run("pamr-convert", "made.hdf", "plain.hdf", "--quiet")
+    same = run("pamr-convert", "plain.hdf", "again.hdf", "--surfaces", "body.toml", "--json", "-").json["ties"]
+    assert same == told.json["ties"]
+    pathlib.Path("two.toml").write_text(body_toml("ball.stl") + body_toml("ball.stl").replace('"body"', '"twin"'))
+    refuses("pamr-convert", "made.msh", "no.hdf", "--surfaces", "two.toml", says=["patch 'cap'", '"body" and "twin"', "--tie"], creates="no.hdf")
+    # one part of two has a patch: its border stays
+    ball_of_two_solids("part.stl", ("cap", "ocean"))
+    told = run("pamr-convert", "made.msh", "part.hdf", "--surface", "part.stl", "--patch", "cap")
+    assert 'left out: the name "ocean"' in told.err, told.err
+    with h5py.File("part.hdf") as file:
+        assert "border_edges" in file["PAMR/surfaces"].asstr()[()]
+
+
 @of_full_level
 def test_nodes_on_a_coarse_sphere_are_nearer_to_the_ball_than_its_triangles():
     points, triangles = icosphere(2)

@@ -180,14 +180,6 @@ void add_to_surface(std::string& toml, int n, const std::string& line, const std
   throw Error(fmt::format("{}: expected tables [[surface]] for a file of several named solids", file));
 }
 
-std::string border_edges_line(const std::vector<std::array<int, 2>>& edges) {
-  constexpr std::size_t in_a_line = 10;
-  std::string text = fmt::format("{} = [", border_edges_key);
-  for (std::size_t i = 0; i < edges.size(); ++i)
-    text += fmt::format("{}{}, {}", i == 0 ? "" : i % in_a_line == 0 ? ",\n  " : ", ", edges[i][0], edges[i][1]);
-  return text + "]";
-}
-
 /// The file must be named even when the triangles come from elsewhere.
 std::shared_ptr<const Surface> read_triangulated(const TomlTable& surface, const FindTriangles& find_triangles) {
   surface.text("file", "the name of a file of triangles");
@@ -281,21 +273,29 @@ SurfaceSet surfaces_from_toml(std::string_view text, std::string_view where,
   return set;
 }
 
-SurfaceSet surfaces_of_case(const TomlTable& root, const std::string& where, Exact<bool> with_parts) {
+std::string border_edges_line(const Triangulation& surface, const NamedParts& parts) {
+  const auto edges = parts.name.empty() ? std::vector<std::array<int, 2>>() : borders_of(surface, parts.part);
+  if (edges.empty()) return {};
+  constexpr std::size_t in_a_line = 10;
+  std::string text = fmt::format("{} = [", border_edges_key);
+  for (std::size_t i = 0; i < edges.size(); ++i)
+    text += fmt::format("{}{}, {}", i == 0 ? "" : i % in_a_line == 0 ? ",\n  " : ", ", edges[i][0], edges[i][1]);
+  return text + "]";
+}
+
+SurfaceSet surfaces_of_case(const TomlTable& root, const std::string& where, const PartChoice& is_part) {
   std::vector<std::shared_ptr<const Triangulation>> read;
-  std::vector<std::pair<std::string, std::vector<std::array<int, 2>>>> borders;
+  std::vector<std::pair<std::string, std::string>> borders;  // of a surface, and their line
   const auto path_of = [&where](const TomlTable& surface) {
     return std::filesystem::path(where).parent_path() / surface.text("file");
   };
   Sources sources;
   sources.triangles = [&](const TomlTable& surface, bool open_allowed) -> Triangles {
-    auto [triangles, found, rest] =
-        with_parts ? read_named_triangulation(path_of(surface), open_allowed)
-                   : NamedTriangulation{read_triangulation(path_of(surface), open_allowed), {}, {}};
+    auto [triangles, found, rest] = read_named_triangulation(path_of(surface), open_allowed, is_part);
     triangles.name = surface.text("name");
     std::shared_ptr<const NamedParts> parts;
     if (!found.name.empty()) {
-      borders.emplace_back(triangles.name, borders_of(triangles, found.part));
+      borders.emplace_back(triangles.name, border_edges_line(triangles, found));
       parts = std::make_shared<const NamedParts>(std::move(found));
     }
     return {read.emplace_back(std::make_shared<const Triangulation>(std::move(triangles))), parts};
@@ -313,8 +313,8 @@ SurfaceSet surfaces_of_case(const TomlTable& root, const std::string& where, Exa
   auto set = read_set(root, where, sources);
   set.toml = root.source_of("surface");
   set.toml.erase(0, std::min(set.toml.find_first_not_of('\n'), set.toml.size()));
-  for (const auto& [name, edges] : borders)
-    if (!edges.empty()) add_to_surface(set.toml, set.index_of(name), border_edges_line(edges), where);
+  for (const auto& [name, line] : borders)
+    if (!line.empty()) add_to_surface(set.toml, set.index_of(name), line, where);
   if (!shelf.sources().empty() && !set.toml.empty() && set.toml.back() != '\n') set.toml += '\n';
   for (const auto& source : shelf.sources()) set.toml += "\n" + cad_table(source);
   set.triangulations = std::move(read);

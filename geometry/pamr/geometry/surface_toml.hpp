@@ -6,9 +6,9 @@
 #include <string_view>
 #include <vector>
 
-#include "pamr/base/exact.hpp"
 #include "pamr/base/toml_table.hpp"
 #include "pamr/geometry/surface_set.hpp"
+#include "pamr/geometry/triangulated/named_parts.hpp"
 #include "pamr/geometry/vec3.hpp"
 
 namespace pamr::geometry {
@@ -23,9 +23,13 @@ SurfaceSet surfaces_from_toml(std::string_view text, std::string_view where,
 
 /// The surfaces of a case file: its tables `[[surface]]`, which become the description, each from its line on.
 /// Triangles come from the files that they name; a relative `file` counts from the folder of `where`. Unknown keys are
-/// left to `finish` of the file. `with_parts`: the named parts of a file of triangles (`read_named_triangulation`) divide
-/// it, and the description gets their borders.
-SurfaceSet surfaces_of_case(const TomlTable& file, const std::string& where, Exact<bool> with_parts = false);
+/// left to `finish` of the file. `is_part`: which named parts of a file of triangles (`read_named_triangulation`) divide
+/// it; the description gets their borders.
+SurfaceSet surfaces_of_case(const TomlTable& file, const std::string& where, const PartChoice& is_part = nullptr);
+
+/// The line of a description, without its end, that holds the borders of the parts of a surface; empty where they have
+/// none.
+std::string border_edges_line(const Triangulation& surface, const NamedParts& parts);
 
 /// The keys that describe a plane, `separator` between them.
 std::string plane_keys(const std::string& name, Vec3 point, Vec3 normal, std::string_view separator);

@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "pamr/base/error.hpp"
+#include "pamr/base/index.hpp"
 #include "pamr/base/name_pattern.hpp"
 #include "pamr/geometry/box.hpp"
 #include "pamr/geometry/surface.hpp"
@@ -25,9 +26,35 @@ namespace pamr::meshing {
 
 namespace {
 
-/// The surfaces that the patches are to lie on: index of the surface by patch, -1 where nothing is asked for.
+/// Names of the parts of the file of a surface that divide it.
+std::vector<std::string> part_names(const geometry::Surface* surface) {
+  const auto* triangulated = dynamic_cast<const geometry::Triangulated*>(surface);
+  return triangulated == nullptr ? std::vector<std::string>() : triangulated->part_names();
+}
+
+/// Puts patches without a surface on that of which a part has their name, among the first `n`.
+void assign_by_parts(const std::vector<mesh::Patch>& patches, const geometry::SurfaceSet& surfaces, int n,
+                     std::vector<int>& assigned) {
+  std::vector<int> found(assigned.size(), -1);
+  for (int i = 0; i < n; ++i)
+    for (const auto& part : part_names(surfaces.get(i)))
+      for (const int patch : mesh::find_patches(patches, part)) {
+        auto& here = found[at(patch)];
+        if (assigned[at(patch)] < 0 && here >= 0 && here != i)
+          throw Error(
+              fmt::format("patch '{}': expected one surface with a part of that name, found it in \"{}\" and \"{}\": "
+                          "--tie says which",
+                          patches[at(patch)].name, surfaces.name[at(here)], surfaces.name[at(i)]));
+        here = i;
+      }
+  for (std::size_t p = 0; p < found.size(); ++p)
+    if (assigned[p] < 0) assigned[p] = found[p];
+}
+
+/// The surfaces that the patches are to lie on: index of the surface by patch, -1 where nothing is asked for. Of the
+/// first `n_described` the names of parts count, too.
 std::vector<int> assigned_surfaces(const mesh::MeshInfo& info, const geometry::SurfaceSet& surfaces,
-                                   const std::vector<std::string>& pairs) {
+                                   const std::vector<std::string>& pairs, int n_described) {
   const auto& patches = info.patches;
   std::vector<int> result;
   for (const auto& patch : patches) result.push_back(surfaces.index_of(patch.name));
@@ -41,6 +68,7 @@ std::vector<int> assigned_surfaces(const mesh::MeshInfo& info, const geometry::S
     for (const int patch : mesh::require_patches(patches, patch_name, "patch '" + patch_name + "'"))
       result[static_cast<std::size_t>(patch)] = surface;
   }
+  assign_by_parts(patches, surfaces, n_described, result);
   for (int i = 0; i < surfaces.size(); ++i)
     if (std::find(result.begin(), result.end(), i) == result.end())
       throw Error(
@@ -70,15 +98,17 @@ std::string surface_name(const std::string& patch, const std::string& file) {
   return is_name_pattern(patch) ? std::filesystem::path(file).stem().string() : patch;
 }
 
-/// Adds the surface of one of the files of triangles.
+/// Adds the surface of one of the files of triangles, divided by the parts that are chosen.
 void add_file(const AssociationRequest& request, const std::string& name, const std::string& file,
-              geometry::SurfaceSet& set) {
-  auto triangles = geometry::read_triangulation(file);
+              const geometry::PartChoice& is_part, geometry::SurfaceSet& set) {
+  auto [triangles, parts, rest] = geometry::read_named_triangulation(file, false, is_part);
   triangles.name = name;
+  const auto borders = border_edges_line(triangles, parts);
   auto data = std::make_shared<const geometry::Triangulation>(std::move(triangles));
   geometry::Triangulated::Options options;
   if (request.feature_angle >= 0) options.crease.angle = request.feature_angle;
   options.crease.given = request.creases;
+  if (!parts.name.empty()) options.parts = std::make_shared<const geometry::NamedParts>(std::move(parts));
   try {
     set.add(name, "--surface " + file, std::make_shared<geometry::Triangulated>(data, options));
   } catch (const Error& error) {
@@ -86,13 +116,16 @@ void add_file(const AssociationRequest& request, const std::string& name, const 
   }
   set.triangulations.push_back(std::move(data));
   if (!set.toml.empty() && set.toml.back() != '\n') set.toml += '\n';
-  set.toml += fmt::format("[[surface]]\nname = {}\nkind = \"triangulation\"\nfile = {}\n{}", geometry::toml_text(name),
-                          geometry::toml_text(std::filesystem::path(file).filename().string()), crease_keys(request));
+  set.toml +=
+      fmt::format("[[surface]]\nname = {}\nkind = \"triangulation\"\nfile = {}\n{}{}", geometry::toml_text(name),
+                  geometry::toml_text(std::filesystem::path(file).filename().string()), crease_keys(request),
+                  borders.empty() ? "" : borders + "\n");
 }
 
-geometry::SurfaceSet requested_surfaces(const AssociationRequest& request) {
+geometry::SurfaceSet requested_surfaces(const AssociationRequest& request, const std::vector<mesh::Patch>& patches) {
   auto set = request.described;
-  for (const auto& [patch, file] : request.files) add_file(request, surface_name(patch, file), file, set);
+  for (const auto& [patch, file] : request.files)
+    add_file(request, surface_name(patch, file), file, parts_with_patch(patches), set);
   set.append(request.made);
   return set;
 }
@@ -200,14 +233,25 @@ std::string hint_at_units(const par::Comm& comm, const mesh::DistMesh& mesh, con
 
 }  // namespace
 
+geometry::PartChoice parts_with_patch(const std::vector<mesh::Patch>& patches) {
+  return [patches](const std::string& name) { return !mesh::find_patches(patches, name).empty(); };
+}
+
+std::vector<std::string> names_of_patches_on(const geometry::SurfaceSet& surfaces) {
+  auto names = surfaces.name;
+  for (const auto& surface : surfaces.surface)
+    for (auto& part : part_names(surface.get())) names.push_back(std::move(part));
+  return names;
+}
+
 std::vector<Association> associate_surfaces(const par::Comm& comm, mesh::DistMesh& mesh,
                                             const AssociationRequest& request) {
   std::vector<int> assigned;
   par::agree(comm, [&] {
-    const auto asked_for = requested_surfaces(request);
+    const auto asked_for = requested_surfaces(request, mesh.info.patches);
     auto pairs = request.pairs;
     for (const auto& [patch, file] : request.files) pairs.push_back(patch + "=" + surface_name(patch, file));
-    assigned = assigned_surfaces(mesh.info, asked_for, pairs);
+    assigned = assigned_surfaces(mesh.info, asked_for, pairs, request.described.size());
     put_surfaces(asked_for, assigned, mesh.info);
   });
   const double size = mesh::box_of_nodes(comm, mesh).diagonal();

@@ -9,6 +9,7 @@
 
 #include "meshing/associate/fit_creases.hpp"
 #include "pamr/geometry/surface_set.hpp"
+#include "pamr/geometry/triangulated/named_parts.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/par/comm.hpp"
 
@@ -34,9 +35,16 @@ struct AssociationRequest {
   double tolerance = -1;                                   ///< length units; negative: the default
 };
 
+/// The named parts of a file of triangles that a patch is called after: their borders are those of the patches. Local.
+geometry::PartChoice parts_with_patch(const std::vector<mesh::Patch>& patches);
+
+/// What patches are called that lie on these surfaces without being named: as a surface, or as a part of its file.
+std::vector<std::string> names_of_patches_on(const geometry::SurfaceSet& surfaces);
+
 /// Gives patches their surfaces and says how far their nodes lie off them.
 ///
-/// - A patch of the same name as a surface lies on it without being named in `pairs`.
+/// - A patch of the same name as a surface, or as a named part of one that is described, lies on it without being named
+///   in `pairs`.
 /// - Surfaces that the mesh has already are kept while a patch lies on one.
 /// - Nodes that are off their surface by more than 1e-12 of the mesh's size get their distance in the nodal field
 ///   `off_surface`: the next refinement moves them there. So do nodes of edges along sharp edges inside a surface

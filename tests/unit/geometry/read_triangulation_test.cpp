@@ -401,6 +401,14 @@ TEST(SurfaceFile, HasSolidsOfStlAndGroupsOfObjAsNamedParts) {
   EXPECT_THAT(obj.parts.name, ElementsAre("", "side", "top"));
   EXPECT_THAT(obj.parts.part, ElementsAre(0, 0, 1, 1, 2, 2));
   EXPECT_THAT(obj.surface.remarks, ElementsAre("left out: 1 normal"));
+  const auto file = folder.write("a.stl", tetrahedron_of_solids({"in let", "wall", "in let", ""}));
+  const auto some = read_named_triangulation(file, false, [](const std::string& name) { return name == "wall"; });
+  EXPECT_THAT(some.parts.name, ElementsAre("", "wall"));
+  EXPECT_THAT(some.parts.part, ElementsAre(0, 1, 0, 0));
+  EXPECT_THAT(some.surface.remarks, ElementsAre("left out: the name \"in let\""));
+  const auto none = read_named_triangulation(file, false, nullptr);
+  EXPECT_TRUE(none.parts.name.empty());
+  EXPECT_THAT(none.surface.remarks, ElementsAre(HasSubstr("the names of")));
   const auto one = named("a.stl", tetrahedron_of_solids({"a", "a", "a", "a"}));
   EXPECT_TRUE(one.parts.name.empty());
   EXPECT_THAT(one.surface.remarks, ElementsAre(HasSubstr("the names of 4 solids")));
@@ -428,7 +436,7 @@ TEST(SurfacesFromToml, KeepsTheBordersOfNamedPartsInItsText) {
       "# "
       "two\nname = \"body\"\nkind = \"triangulation\"\nfile = \"four.stl\"\nfeature_angle = 180\n";
   const auto where = folder.write("case.toml", text).string();
-  const auto made = surfaces_of_case(parse_toml(text, where), where, true);
+  const auto made = surfaces_of_case(parse_toml(text, where), where, [](const std::string&) { return true; });
   const auto read = surfaces_from_toml(made.toml, "mesh", made.triangulations);
 
   EXPECT_THAT(made.toml, HasSubstr("[[ surface ]] # two\nborder_edges = ["));

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <functional>
 #include <iterator>
 #include <string>
 #include <vector>
@@ -15,6 +16,9 @@ struct NamedParts {
   std::vector<std::string> name;  ///< different ones, in the order of the file; "" for what has no name
   std::vector<int> part;          ///< of each triangle
 };
+
+/// Which named parts divide a surface: the others are one part without a name. Null: none do.
+using PartChoice = std::function<bool(const std::string& name)>;
 
 /// A surface file as it was read.
 struct NamedTriangulation {

@@ -11,6 +11,7 @@
 #include <limits>
 #include <set>
 #include <span>
+#include <utility>
 
 #include "pamr/base/byte_order_mark.hpp"
 #include "pamr/base/error.hpp"
@@ -58,6 +59,21 @@ NamedTriangulation parse(std::string_view bytes, const std::string& where) {
   }
 }
 
+/// Makes one part without a name of those that are not chosen. Returns their names.
+std::vector<std::string> keep_parts(NamedParts& parts, const PartChoice& is_part) {
+  NamedParts kept;
+  std::vector<int> now;
+  std::vector<std::string> left_out;
+  for (const auto& name : parts.name) {
+    const bool stays = is_part && is_part(name);
+    if (!stays && !name.empty()) left_out.push_back(name);
+    now.push_back(part_called(kept, stays ? name : ""));
+  }
+  for (const int part : parts.part) kept.part.push_back(now[at(part)]);
+  parts = std::move(kept);
+  return left_out;
+}
+
 /// Parts of one surface meet in edges of two triangles; bodies that touch have more there.
 void refuse_common_faces(const NamedTriangulation& file, const std::string& where) {
   for (const auto& [a, b, c] : file.surface.triangles)
@@ -89,13 +105,19 @@ Triangulation parse_triangulation(std::string_view bytes, const std::string& whe
   return surface;
 }
 
-NamedTriangulation read_named_triangulation(const std::filesystem::path& file, Exact<bool> open_allowed) {
+NamedTriangulation read_named_triangulation(const std::filesystem::path& file, Exact<bool> open_allowed,
+                                            const PartChoice& is_part) {
   const auto where = file.string();
   auto read = parse(bytes_of(file), where);
   drop_unused_points(read.surface);
+  if (read.parts.name.size() > 1) refuse_common_faces(read, where);
+  const auto left_out = keep_parts(read.parts, is_part);
   if (read.parts.name.size() > 1) {
-    refuse_common_faces(read, where);
     read.surface.remarks = read.rest;
+    if (!left_out.empty())
+      read.surface.remarks.push_back(
+          fmt::format("left out: the {} {}", left_out.size() == 1 ? "name" : "names",
+                      listed(left_out, {}, [](const auto& name) { return '"' + name + '"'; })));
   } else {
     read.parts = {};
   }

@@ -21,10 +21,12 @@ Triangulation read_triangulation(const std::filesystem::path& file, Exact<bool> 
 /// The same for the bytes of a file; `where` names it in errors, and its extension is the format.
 Triangulation parse_triangulation(std::string_view bytes, const std::string& where, Exact<bool> open_allowed = false);
 
-/// The same with the named parts of the file, which then are not among its remarks: two or more of different names,
-/// else none. Throws `Error` also where parts have triangles of their own on both sides of a common face, as touching
-/// bodies.
-NamedTriangulation read_named_triangulation(const std::filesystem::path& file, Exact<bool> open_allowed = false);
+/// The same with those named parts of the file that are chosen: two or more of different names, else none; remarks say
+/// which names are left out. Throws `Error` also where parts have triangles of their own on both sides of a common face,
+/// as touching bodies.
+NamedTriangulation read_named_triangulation(
+    const std::filesystem::path& file, Exact<bool> open_allowed = false,
+    const PartChoice& is_part = [](const std::string&) { return true; });
 
 /// The triangles and points of such a file as they stand there: whole files, finite coordinates below 1e100, points
 /// that exist, but any surface, empty ones too. For tools that say what is wrong with a surface; the others take

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include "pamr/base/error.hpp"
@@ -72,6 +73,14 @@ std::string Triangulated::part_of(int piece) const {
   const auto& patch = shape_->features.patch;
   const auto first = std::find(patch.begin(), patch.end(), piece) - patch.begin();
   return parts_->name[at(parts_->part[static_cast<std::size_t>(first)])];
+}
+
+std::vector<std::string> Triangulated::part_names() const {
+  std::vector<std::string> names;
+  if (parts_ && !stays_in_patch_)
+    std::copy_if(parts_->name.begin(), parts_->name.end(), std::back_inserter(names),
+                 [](const std::string& name) { return !name.empty(); });
+  return names;
 }
 
 void Triangulated::take_piece(int only_piece) {

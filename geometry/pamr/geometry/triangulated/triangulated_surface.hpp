@@ -53,6 +53,9 @@ class Triangulated final : public Surface, public Creases {
   std::size_t n_patches() const { return shape_->features.is_planar.size(); }
   /// Name of the part that a piece belongs to; empty where the parts have no names.
   std::string part_of(int piece) const;
+  /// Whether the parts of its file divide it, and their names, of the whole alone.
+  bool has_parts() const { return parts_ != nullptr; }
+  std::vector<std::string> part_names() const;
   std::size_t n_creases() const { return creases_->n_edges(); }
   int piece_at(Vec3 point) const override {
     return shape_->features.patch[static_cast<std::size_t>(nearest(point).triangle)];
