@@ -222,7 +222,8 @@ cli::ExitCode run_case(cli::Session& session, const Options& o) {
   if (adapts) require_begun_on(session, o, from.value_or(dsmc::CheckpointHead{}), place);
   session.step("reading " + place.mesh);
   auto mesh = assemble::assemble(
-      comm, io::read_native(comm, place.mesh, {.build_surfaces = adapts, .remark = session.remarks()}));
+      comm,
+      io::read_native(comm, place.mesh, {.build_surfaces = adapts || o.check_resolution, .remark = session.remarks()}));
   validate::require_valid(comm, mesh, place.mesh);
   session.step(fmt::format("setting up {} cells", mesh.info.n_global_cells));
   auto setup = dsmc::make_setup(comm, c, mesh, place.fnum);

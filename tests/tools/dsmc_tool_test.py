@@ -74,11 +74,14 @@ def test_free_molecular_sphere_has_the_drag_and_heat_of_the_closed_form():
     case = write("sphere.toml", SPHERE)
     run("pamr-mesh", "--shape", "sphere-in-box", "--size", "0.5", "-o", "sphere.hdf", "--quiet", serial=True)
     report = compute(case, "sphere.hdf", "flow.hdf", "--surface", "wall.vtu", "--history", "h.csv", "--json", "-",
-                     "--quiet").json
+                     "--quiet", "--check-resolution").json
 
     # The closed forms integrated over the facets of the sphere: 2.31553 and 1.03960 for the sphere itself.
     bound = report["plan"]["free_molecular"]
     assert 2.1 < bound["C_D"] < 2.31553 and 0.93 < bound["C_H"] < 1.0396, bound
+    for name, exact in (("C_D", 2.31553), ("C_H", 1.03960)):
+        facets = report["resolution"][name]["facets"]
+        assert abs(bound[name] + facets - exact) < 0.03 * facets, (name, bound, facets)
     assert report["lost_particles"] == 0 and report["abandoned_particles"] == 0
     for name in ("C_D", "C_H"):
         error = report[name]["stderr"]
@@ -173,7 +176,7 @@ def test_the_resolution_is_checked_with_a_quarter_of_the_particles():
     here, with_a_quarter = (math.hypot(1, one) for one in (apart, 4**(1 / 3) * apart))
     factor = (here - 1) / (with_a_quarter - here)
     assert abs(found["error"] - max(abs(found["difference"]), 2 * found["difference_stderr"]) * factor) < 1e-9, (found, factor)
-    assert abs(found["bound"] - drag["ci95"] - found["error"]) < 1e-12, found
+    assert abs(found["bound"] - drag["ci95"] - found["error"]) < 1e-12 and found["facets"] == 0, found
     assert 0.2 < checked.json["resolution"]["particles"] / checked.json["particles"] < 0.3, checked.json["resolution"]
     assert f"C_D {drag['value']:.4f} +- {found['bound']:.4f} (" in checked.err and "mean free paths apart" not in checked.err, checked.err
     refuses("pamr-dsmc", write("window.toml", CUBE.replace("block = 4\n", "window = 20\n")), "--mesh", mesh, "-o", "x.hdf", "--check-resolution",

@@ -246,8 +246,8 @@ TEST(FreeMolecular, ThePlanOfAPlateWithFourKindsOfWallsIsWhatARunFinds) {
     auto alone = c;
     alone.reference.patches = {wall.patch};
     const auto plan = make_plan(comm, alone, setup, mesh);
-    ASSERT_TRUE(plan.free_molecular) << wall.patch;
-    const auto& k = *plan.free_molecular;
+    ASSERT_TRUE(plan.body && plan.body->free_molecular) << wall.patch;
+    const auto& k = *plan.body->free_molecular;
     EXPECT_NEAR(wall.drag.value, k.drag, 5 * wall.drag.error) << wall.patch;
     EXPECT_NEAR(wall.lift.value, k.lift, 5 * wall.lift.error) << wall.patch;
     EXPECT_NEAR(wall.heat.value, k.heat, 5 * wall.heat.error + 1e-12) << wall.patch;
@@ -264,8 +264,8 @@ TEST(FreeMolecular, NoValueIsGivenOfAWallThatMovesOutOfItsPlane) {
   const auto c = read_case(text, "case.toml");
   const auto setup = make_setup(comm, c, mesh);
   const auto plan = make_plan(comm, c, setup, mesh);
-  EXPECT_FALSE(plan.free_molecular);
-  EXPECT_EQ(plan.moving_wall, "zmin");
+  EXPECT_FALSE(plan.body->free_molecular);
+  EXPECT_EQ(plan.body->moving_wall, "zmin");
   EXPECT_NE(describe(c, setup, plan).back().find("the wall zmin moves out of its plane"), std::string::npos);
   EXPECT_FALSE(to_json(plan).contains("free_molecular"));
   EXPECT_TRUE(to_json(plan).contains("newtonian"));

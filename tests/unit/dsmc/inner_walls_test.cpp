@@ -84,8 +84,8 @@ TEST(InnerWalls, BothSidesOfAPlateInAFreeMolecularStreamHaveTheLoadsOfTheClosedF
     of_side.reference.patches = {wall.patch};
     const auto& mesh = serial->mesh();
     const auto plan = make_plan(alone, of_side, make_setup(alone, of_side, mesh), mesh);
-    ASSERT_TRUE(plan.free_molecular) << wall.patch;
-    const auto& k = *plan.free_molecular;
+    ASSERT_TRUE(plan.body && plan.body->free_molecular) << wall.patch;
+    const auto& k = *plan.body->free_molecular;
     EXPECT_NEAR(wall.drag.value, k.drag, 5 * wall.drag.error) << wall.patch;
     EXPECT_NEAR(wall.lift.value, k.lift, 5 * wall.lift.error) << wall.patch;
     EXPECT_NEAR(wall.heat.value, k.heat, 5 * wall.heat.error) << wall.patch;

@@ -234,7 +234,8 @@ TEST(Loads, OfANewtonianStreamOnAPlateAreThoseOfTheClosedForm) {
   reference.point = {1, 0, 0};
   const Scale scale(gas, stream, reference);
 
-  const auto loads = integrate_law(comm, domain, newtonian_law(gas, stream), reference.point, mesh.info.patches.size());
+  const auto loads =
+      integrate_law(comm, domain.boundary, newtonian_law(gas, stream), reference.point, mesh.info.patches.size());
 
   // Face x = 1: C_p = 2 cos^2 along x, with its middle at z = 1/2 beside the point of reference.
   std::vector<bool> wanted;

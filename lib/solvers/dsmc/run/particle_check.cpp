@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "pamr/base/error.hpp"
+#include "solvers/dsmc/run/body_laws.hpp"
 
 namespace pamr::dsmc {
 
@@ -55,24 +56,30 @@ ParticleCheck check_particles(const Computation& computation, double separation,
   const double student_all = student_95(all.groups.n_groups), student_fewer = student_95(fewer.groups.n_groups);
   ParticleCheck check{
       {}, second.flow().n_particles(), second.flow().steps_done - second.averaging().state().first_step};
-  const auto add = [&](const char* name, const Estimate& one, const Estimate& other) {
-    check.coefficients.push_back({name, one, other, student_all, student_fewer, separation});
+  const auto& flow = computation.flow();
+  const auto facets = error_of_facets(computation.comm(), c, flow.setup(), computation.mesh(), flow.domain().boundary);
+  const auto add = [&](const char* name, const Estimate& one, const Estimate& other, double off) {
+    check.coefficients.push_back({name, one, other, student_all, student_fewer, separation, off});
   };
-  add("C_D", all.body.drag, fewer.body.drag);
+  add("C_D", all.body.drag, fewer.body.drag, facets.drag);
   if (c.reference.gives_lift()) {
-    add("C_L", all.body.lift, fewer.body.lift);
-    add("C_m", all.body.moment, fewer.body.moment);
+    add("C_L", all.body.lift, fewer.body.lift, facets.lift);
+    add("C_m", all.body.moment, fewer.body.moment, facets.moment);
   }
-  add("C_H", all.body.heat, fewer.body.heat);
+  add("C_H", all.body.heat, fewer.body.heat, facets.heat);
   return check;
 }
 
 nlohmann::json to_json(const ParticleCheck& check) {
   nlohmann::json shown{{"particles", check.n_particles}, {"steps", check.n_steps}};
   for (const auto& one : check.coefficients)
-    shown[one.name] = {{"value", one.fewer.value},       {"ci95", one.student_fewer * one.fewer.error},
-                       {"difference", one.difference()}, {"difference_stderr", one.difference_error()},
-                       {"error", one.error()},           {"bound", one.bound()}};
+    shown[one.name] = {{"value", one.fewer.value},
+                       {"ci95", one.student_fewer * one.fewer.error},
+                       {"difference", one.difference()},
+                       {"difference_stderr", one.difference_error()},
+                       {"error", one.error()},
+                       {"facets", one.facets},
+                       {"bound", one.bound()}};
   return shown;
 }
 
@@ -80,10 +87,10 @@ std::vector<std::string> describe(const ParticleCheck& check) {
   std::vector<std::string> lines;
   for (const auto& one : check.coefficients)
     lines.push_back(
-        fmt::format("{} {:.4f} +- {:.4f} with a quarter of the particles: {:.4f} of chance and {:.4f} of "
-                    "too few particles make {:.4f} +- {:.4f}",
+        fmt::format("{} {:.4f} +- {:.4f} with a quarter of the particles: {:.4f} of chance, {:.4f} of "
+                    "too few particles and {:.4f} of flat facets make {:.4f} +- {:.4f}",
                     one.name, one.fewer.value, one.student_fewer * one.fewer.error, one.student_all * one.all.error,
-                    one.error(), one.all.value, one.bound()));
+                    one.error(), one.facets, one.all.value, one.bound()));
   return lines;
 }
 

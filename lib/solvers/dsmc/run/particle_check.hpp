@@ -28,14 +28,15 @@ struct CheckedCoefficient {
   Estimate all, fewer;
   double student_all = 1, student_fewer = 1;  ///< factors from standard errors to bounds of 95 %
   double separation = 0;                      ///< of partners at the walls, with all particles, over the mean free path
+  double facets = 0;                          ///< `error_of_facets`
 
   double difference() const { return fewer.value - all.value; }
   double difference_error() const;  ///< standard error
   /// Estimate of the error that comes from the number of particles, at least what the noise of the difference hides:
   /// the difference, or twice its standard error if that is more, times `error_per_difference(separation)`.
   double error() const;
-  /// Of chance and of the number of particles together.
-  double bound() const { return student_all * all.error + error(); }
+  /// Of chance, of the number of particles and of flat faces together.
+  double bound() const { return student_all * all.error + error() + facets; }
 };
 
 struct ParticleCheck {

@@ -11,7 +11,6 @@
 #include "pamr/base/index.hpp"
 #include "solvers/dsmc/gas/kinetic_theory.hpp"
 #include "solvers/dsmc/run/make_setup.hpp"
-#include "solvers/dsmc/sampling/free_molecular.hpp"
 #include "solvers/dsmc/state/checkpoint_rows.hpp"
 
 namespace pamr::dsmc {
@@ -37,17 +36,6 @@ std::string vibration_text(const Species& s) {
                           s.name, modes, s.vibration.c1, s.omega, s.vibration.c2);
   if (s.vibration.cross_section > 0) text += fmt::format(" (limit: {:g} m2 at 50,000 K)", s.vibration.cross_section);
   return text;
-}
-
-/// The last patch of the body that moves out of its plane; -1: none. Collective.
-std::int64_t patch_that_leaves_its_plane(const par::Comm& comm, const GasDomain& domain,
-                                         const std::vector<BoundaryCondition>& conditions,
-                                         const std::vector<bool>& body) {
-  std::int64_t found = -1;
-  for (const auto& face : domain.boundary)
-    if (body[at(face.patch)] && leaves_its_plane(conditions[at(face.patch)], face.normal))
-      found = std::max<std::int64_t>(found, face.patch);
-  return comm.max(found);
 }
 
 }  // namespace
@@ -92,20 +80,10 @@ Plan make_plan(const par::Comm& comm, const Case& c, const Setup& setup, const m
   plan.steps = static_cast<double>(c.schedule.sampling + c.schedule.transient.value_or(0));
   plan.cpu_seconds = plan.max_particles() * plan.steps / typical_rate;
 
-  const auto body = reference_patches(c.reference, setup.patches_on(mesh), setup.patch);
   plan.gives_lift = c.reference.gives_lift();
-  plan.has_body = std::find(body.begin(), body.end(), true) != body.end() && speed > 0 && free.density > 0;
-  if (!plan.has_body) return plan;
+  if (!has_body(c, setup, setup.patches_on(mesh))) return plan;
   const auto domain = make_gas_domain(mesh, setup.unit, setup.dt, setup.fnum, setup.inner_wall);
-  const Scale scale(gas, free, c.reference);
-  const auto of_law = [&](const SurfaceLaw& law) {
-    return scale.coefficients(sum_of(integrate_law(comm, domain, law, c.reference.point, body.size()), body));
-  };
-  plan.newtonian = of_law(newtonian_law(gas, free));
-  if (const auto moving = patch_that_leaves_its_plane(comm, domain, setup.patch, body); moving >= 0)
-    plan.moving_wall = setup.patches_on(mesh)[at(moving)].name;
-  else
-    plan.free_molecular = of_law(free_molecular_law(gas, free, setup.patch));
+  plan.body = body_laws(comm, c, setup, setup.patches_on(mesh), domain.boundary);
   return plan;
 }
 
@@ -155,17 +133,18 @@ std::vector<std::string> describe(const Case& c, const Setup& setup, const Plan&
                   "particles ({:.1f} a cell){}; {:.0f} MB, {:.3g} steps, {:.3g} CPU s",
                   setup.dt, setup.cell_dt.empty() ? "" : " at most, varying with the cells", setup.fnum, plan.particles,
                   plan.particles_per_cell, at_start, plan.bytes * 1e-6, plan.steps, plan.cpu_seconds));
-  if (plan.has_body) {
+  if (plan.body) {
     const auto lift = [&](const Coefficients& k) {
       return plan.gives_lift ? fmt::format(" C_L {:.4f} C_m {:.4f}", k.lift, k.moment) : std::string();
     };
     const auto shown = [&](const Coefficients& k) { return fmt::format("C_D {:.4f}{}", k.drag, lift(k)); };
-    const auto& free_molecular = plan.free_molecular;
+    const auto& free_molecular = plan.body->free_molecular;
     lines.push_back(fmt::format(
         "the body if it is convex and alone in the free stream: free-molecular {}; Newtonian {}",
-        free_molecular ? fmt::format("{} C_H {:.4f}", shown(*free_molecular), free_molecular->heat)
-                       : fmt::format("flow not known, since the wall {} moves out of its plane", plan.moving_wall),
-        shown(plan.newtonian)));
+        free_molecular
+            ? fmt::format("{} C_H {:.4f}", shown(*free_molecular), free_molecular->heat)
+            : fmt::format("flow not known, since the wall {} moves out of its plane", plan.body->moving_wall),
+        shown(plan.body->newtonian)));
   }
   return lines;
 }
@@ -192,9 +171,9 @@ nlohmann::json to_json(const Plan& plan) {
                         {"steps", plan.steps},
                         {"cpu_seconds", plan.cpu_seconds},
                         {"cells_per_step", plan.longest_flight}};
-  if (plan.has_body) {
-    if (plan.free_molecular) report["free_molecular"] = coefficients(*plan.free_molecular);
-    report["newtonian"] = coefficients(plan.newtonian);
+  if (plan.body) {
+    if (plan.body->free_molecular) report["free_molecular"] = coefficients(*plan.body->free_molecular);
+    report["newtonian"] = coefficients(plan.body->newtonian);
   }
   return report;
 }

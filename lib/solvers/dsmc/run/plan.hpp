@@ -10,8 +10,8 @@
 #include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/par/comm.hpp"
 #include "solvers/dsmc/flow/setup.hpp"
+#include "solvers/dsmc/run/body_laws.hpp"
 #include "solvers/dsmc/run/flow_case.hpp"
-#include "solvers/dsmc/sampling/loads.hpp"
 #include "solvers/dsmc/state/checkpoint.hpp"
 
 namespace pamr::dsmc {
@@ -30,12 +30,7 @@ struct Plan {
   double steps = 0, cpu_seconds = 0;  ///< of these particles, at 4 million particle-steps a second
   double longest_flight =
       0;  ///< cell sizes that a fast molecule of the free stream passes in a step, maximum over the cells
-  /// Of the body if it were convex and alone in the free stream, integrated over its facets: of free-molecular flow
-  /// with the walls of the case, and of Newtonian flow.
-  std::optional<Coefficients> free_molecular;
-  Coefficients newtonian;
-  std::string moving_wall;  ///< why there is no `free_molecular`: the patch that moves out of its plane
-  bool has_body = false;
+  std::optional<BodyLaws> body;
   bool gives_lift = true;  ///< `Reference::gives_lift`
 
   /// The most that are known of before the first step.

@@ -19,10 +19,11 @@ constexpr std::size_t n_parts = 7;  ///< force, moment, heat
 
 /// Adds up `part(face)` over all faces of each patch, without rounding.
 template <class Part>
-std::vector<Load> add_up(const par::Comm& comm, const GasDomain& domain, std::size_t n_patches, Vec3 point, Part part) {
+std::vector<Load> add_up(const par::Comm& comm, const std::vector<BoundaryFace>& faces, std::size_t n_patches,
+                         Vec3 point, Part part) {
   std::vector<par::ExactSum> sums(n_parts * n_patches);
-  for (std::size_t b = 0; b < domain.boundary.size(); ++b) {
-    const auto& face = domain.boundary[b];
+  for (std::size_t b = 0; b < faces.size(); ++b) {
+    const auto& face = faces[b];
     const auto [force, heat] = part(b);
     const Vec3 moment = cross(face.center() - point, force);
     auto* sum = sums.data() + n_parts * static_cast<std::size_t>(face.patch);
@@ -57,17 +58,17 @@ std::vector<Load> patch_loads(const par::Comm& comm, const GasDomain& domain, co
                               std::size_t n_patches) {
   const double per_step = sums.fnum_per_time / static_cast<double>(std::max<std::int64_t>(1, sums.n_steps));
   const double momentum = sums.units.momentum_unit * per_step, energy = sums.units.energy_unit * per_step;
-  return add_up(comm, domain, n_patches, point, [&](std::size_t b) {
+  return add_up(comm, domain.boundary, n_patches, point, [&](std::size_t b) {
     const auto& m = sums.face[b].momentum;
     const Vec3 force{static_cast<double>(m[0]), static_cast<double>(m[1]), static_cast<double>(m[2])};
     return std::pair<Vec3, double>{momentum * force, energy * static_cast<double>(sums.face[b].energy)};
   });
 }
 
-std::vector<Load> integrate_law(const par::Comm& comm, const GasDomain& domain, const SurfaceLaw& law, Vec3 point,
-                                std::size_t n_patches) {
-  return add_up(comm, domain, n_patches, point, [&](std::size_t b) {
-    const auto& face = domain.boundary[b];
+std::vector<Load> integrate_law(const par::Comm& comm, const std::vector<BoundaryFace>& faces, const SurfaceLaw& law,
+                                Vec3 point, std::size_t n_patches) {
+  return add_up(comm, faces, n_patches, point, [&](std::size_t b) {
+    const auto& face = faces[b];
     const auto [stress, heat] = law(face);
     return std::pair<Vec3, double>{face.area * stress, face.area * heat};
   });

@@ -54,9 +54,9 @@ std::vector<Load> patch_loads(const par::Comm& comm, const GasDomain& domain, co
 
 /// A stress and a heat flux on a face of the boundary.
 using SurfaceLaw = std::function<std::pair<Vec3, double>(const BoundaryFace& face)>;
-/// Loads of every patch under a law. Collective: one reduction.
-std::vector<Load> integrate_law(const par::Comm& comm, const GasDomain& domain, const SurfaceLaw& law, Vec3 point,
-                                std::size_t n_patches);
+/// Loads of every patch under a law on these faces. Collective: one reduction.
+std::vector<Load> integrate_law(const par::Comm& comm, const std::vector<BoundaryFace>& faces, const SurfaceLaw& law,
+                                Vec3 point, std::size_t n_patches);
 
 /// Dimensionless loads: drag, lift and pitching moment on rho V^2/2 x area (x length), heat on rho V^3/2 x area.
 struct Coefficients {
