@@ -31,6 +31,7 @@
 #include "pamr/io/medit/write_medit.hpp"
 #include "pamr/mesh/find_patches.hpp"
 #include "pamr/mesh/undescribed_patches.hpp"
+#include "pamr/mesh/untagged_patch.hpp"
 #include "pamr/validate/validate.hpp"
 
 namespace {
@@ -93,7 +94,14 @@ void adjust(const par::Comm& comm, const Options& options, mesh::DistMesh& mesh)
                       unit, options.unit));
     unit = options.unit;
   }
+  auto& patches = mesh.info.patches;
+  const auto untagged = mesh::find_untagged(patches);
   convert::set_kinds(options.kinds, mesh);
+  if (!options.cad.empty() && untagged < patches.size() && !mesh::is_untagged(patches[untagged]))
+    throw Error(
+        fmt::format("--kind: expected no kind for {}, the faces without a tag, which --cad divides: give kinds in "
+                    "a second call",
+                    patches[untagged].name));
 }
 
 /// The interfaces that were written, and which number stands for which group in formats that know numbers alone.

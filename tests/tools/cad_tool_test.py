@@ -126,6 +126,11 @@ def test_faces_without_a_tag_get_patches_by_face():
     assert sorted(report["patches"]) == ["face_2", "face_3", "face_4", "face_5", "face_6", "inlet"], report["patches"]
     points, nodes = patch_nodes("bare.hdf")
     assert (points[nodes["inlet"], 0] == 0).all() and len(nodes["inlet"]) == 9
+    run("pamr-convert", "bare.msh", "untagged.hdf")
+    for pair in ("boundary=wall", "*=wall"):  # which face would be a wall?
+        refuses("pamr-convert", "untagged.hdf", "no.hdf", "--cad", "cube.step", "--kind", pair, says=["--kind", "boundary", "--cad"],
+                creates="no.hdf")
+    run("pamr-convert", "bare.hdf", "walls.hdf", "--kind", "*=wall")
 
 
 def test_what_cannot_be_tied_is_said():
