@@ -38,7 +38,8 @@ struct AssociationRequest {
 /// The named parts of a file of triangles that a patch is called after: their borders are those of the patches. Local.
 geometry::PartChoice parts_with_patch(const std::vector<mesh::Patch>& patches);
 
-/// What patches are called that lie on these surfaces without being named: as a surface, or as a part of its file.
+/// Names of the patches that lie on these surfaces without being named: those of the surfaces and of parts of their
+/// files.
 std::vector<std::string> names_of_patches_on(const geometry::SurfaceSet& surfaces);
 
 /// Gives patches their surfaces and says how far their nodes lie off them.

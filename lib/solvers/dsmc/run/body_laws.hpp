@@ -28,9 +28,9 @@ bool has_body(const Case& the_case, const Setup& setup, const std::vector<mesh::
 BodyLaws body_laws(const par::Comm& comm, const Case& the_case, const Setup& setup,
                    const std::vector<mesh::Patch>& patches, const std::vector<BoundaryFace>& faces);
 
-/// What the flat faces of the body may change of its coefficients: by how much both laws differ between them and the
-/// surfaces that the patches lie on, the larger of both; 0 for patches without a surface, and for heat by free-molecular
-/// flow alone. `boundary`: the faces of the mesh.
+/// How much flat faces of the body may change its coefficients: the difference of both laws between them and the
+/// surfaces that the patches lie on, the larger of both; 0 for patches without a surface, and for heat by
+/// free-molecular flow alone. `boundary`: the faces of the mesh.
 /// Throws `Error` where the surfaces were not made (`io::ReadOptions::build_surfaces`). Collective.
 Coefficients error_of_facets(const par::Comm& comm, const Case& the_case, const Setup& setup,
                              const mesh::DistMesh& mesh, const std::vector<BoundaryFace>& boundary);

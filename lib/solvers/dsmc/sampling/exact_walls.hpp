@@ -9,8 +9,8 @@
 
 namespace pamr::dsmc {
 
-/// The faces of the boundary with each that lies on a patch with a surface cut into 16 along that surface: the wall but
-/// for a sixteenth of what its flat faces are off. Faces without a surface stay as they are. `unit`: meters of a unit of
+/// The faces of the boundary, each of a patch with a surface cut into 16 along that surface: the wall but for a
+/// sixteenth of what its flat faces are off. Faces without a surface stay as they are. `unit`: meters of a unit of
 /// the mesh, in which the surfaces are. Local.
 std::vector<BoundaryFace> faces_on_surfaces(const std::vector<BoundaryFace>& faces,
                                             const std::vector<mesh::Patch>& patches,
