@@ -101,7 +101,7 @@ std::vector<std::int8_t> random_flags(const mesh::DistMesh& mesh, std::uint64_t 
   return flags;
 }
 
-/// Takes back every split that can be taken back. Collective.
+/// Coarsens the mesh once wherever it can be coarsened. Collective.
 mesh::DistMesh without_last_splits(const par::Comm& comm, mesh::DistMesh mesh) {
   const auto flags = test::all_may_go(mesh);
   return adapt::adapt(comm, std::move(mesh), flags, {{.parent_field = false}, {}}).mesh;

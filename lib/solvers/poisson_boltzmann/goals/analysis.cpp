@@ -63,7 +63,7 @@ constexpr double min_bar = 1e-8;
 /// Sum of the cells' shares over the value from which on a mesh is coarse for a goal.
 constexpr double coarse_share = 0.1;
 
-/// What the error of a goal is measured by: its value, of a component of a force or torque the largest one.
+/// The size with which the shares of a goal are compared: its value, or the largest component of a force or torque.
 double size_of(const GoalResult& goal, const std::vector<PatchResult>& patches) {
   const double value = std::abs(*goal.value + goal.best_correction());
   const auto patch = std::find_if(patches.begin(), patches.end(),
