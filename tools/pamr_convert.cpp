@@ -277,10 +277,12 @@ cli::ExitCode convert_file(cli::Session& session, Options options) {
 
   nlohmann::json report;
   session.step("reading " + options.input);
-  auto mesh = convert::read_mesh(session, read_request(options), report);
+  auto [mesh, warnings, notes] = convert::read_mesh(session, read_request(options), report);
   adjust(comm, options, mesh);
   convert::forget_levels(session, options, mesh, report);
   validate::require_valid(comm, mesh, options.input);
+  for (const auto& warning : warnings) session.warn(warning);
+  for (const auto& note : notes) session.note(note);
   convert::treat_tears(session, options, mesh, report);
   session.step(fmt::format("looking at {} cells", mesh.info.n_global_cells));
   associate(session, options, surfaces, mesh, report);

@@ -144,8 +144,12 @@ std::tuple<SharedMesh, std::vector<std::string>, std::vector<std::string>> read(
   auto read = format.read(comm, file, {.repair = repair && !strict, .split_prisms = split_prisms, .remark = tell});
   validate::require_valid(comm, read.mesh, file.string());
   if (strict) io::refuse_changes(read, io::source_of(file));
+  std::vector<std::string> found;
   if (!format.is_native)
-    for (const auto& text : remarks_on(comm, read)) tell(io::source_of(file) + ": " + text);
+    found = remarks_on(comm, read);
+  else if (auto text = io::remark_on_untagged(read); !text.empty())
+    found.push_back(std::move(text));
+  for (const auto& text : found) tell(io::source_of(file) + ": " + text);
   for (auto& note : read.notes) note = io::source_of(file) + ": " + note;
   result->mesh = std::move(read.mesh);
   return {result, remarks, read.notes};

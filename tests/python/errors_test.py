@@ -46,6 +46,13 @@ def test_arrays_of_the_wrong_shape_or_type():
     expect("TypeError", lambda: pamr.Mesh.from_arrays(COMM, POINTS[:0], CELLS[:0], 5 if COMM.rank == LAST else None))
 
 
+def test_one_patch_of_faces_without_a_tag_on_the_boundary_alone():
+    names = {1: ("a", "untagged"), 2: ("b", "untagged")}
+    assert make(names={1: names[1]}).patches == ["a"]
+    expect("expected at most one patch of kind 'untagged', found 'a' and 'b'", lambda: make(tags=(1, 2), names=names))
+    expect("alone in a patch of kind 'untagged', found 1 inside in 'a'", lambda: make(triangles=[[0, 3, 7]], tags=[1], names={1: names[1]}))
+
+
 def test_numbers_out_of_range():
     expect("cells: expected numbers of points from 0 to 7, found 8 in row 2", lambda: make(cells=changed(CELLS, (2, 1), 8)))
     expect("cells: expected numbers of points from 0 to 7, found -1", lambda: make(cells=changed(CELLS, (2, 1), -1)))

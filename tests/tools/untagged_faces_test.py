@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Boundary faces that no group names come back without one, from every format that allows that, whatever was done in between."""
+import itertools
 import pathlib
+import shutil
 import warnings
 
 import h5py
 import numpy as np
 
-from tool_run import bare_copy, kuhn_cube, prepare_alone, run, run_tests, same_bytes
+from tool_run import bare_copy, kuhn_cube, prepare_alone, refuses, run, run_tests, same_bytes
 from whole_meshio import meshio
 
 prepare_alone("pamr-mark")
@@ -17,10 +19,10 @@ WITHOUT_TAG = {"a.msh": [], "b.msh": ["--gmsh-version", "2.2", "--text"], "c.mes
 WITH_TAG = {"h.su2": [], "i.lb8.ugrid": [], "j_case": []}  # solvers want every face of the boundary
 
 
-def gmsh_file(name, side="side"):
-    """A cube with the groups 4 "floor" and 7, whose name is given; the other faces have no triangle."""
+def gmsh_file(name, side="side", sheet=()):
+    """A cube with the groups 4 "floor" and 7, whose name is given; the other faces have no triangle. `sheet`: inside, group 9."""
     elements = [f"2 2 {tag} {tag} " + " ".join(str(n + 1) for n in face)
-                for tag, faces in ((4, FLOOR), (7, SIDE)) for face in faces]
+                for tag, faces in ((4, FLOOR), (7, SIDE), (9, sheet)) for face in faces]
     elements += ["4 2 1 1 " + " ".join(str(n + 1) for n in cell) for cell in CELLS]
     lines = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$PhysicalNames", "3", '2 4 "floor"', f'2 7 "{side}"', '3 1 "gas"', "$EndPhysicalNames",
              "$Nodes", "8", *(f"{i + 1} {x:g} {y:g} {z:g}" for i, (x, y, z) in enumerate(NODES)), "$EndNodes",
@@ -35,6 +37,17 @@ def patches_of(name):
         names, kinds = (file[f"PAMR/patches/{of}"].asstr()[:].tolist() for of in ("names", "kinds"))
         neighbors = file["PAMR/cell_to_cell"][:]
     return {names[p]: (kinds[p], int((neighbors == -p - 1).sum())) for p in range(len(names))}
+
+
+def with_kinds(source, to, **kinds):
+    """A native file with other kinds of some patches, as a script may write it."""
+    shutil.copy(source, to)
+    with h5py.File(to, "r+") as file:
+        patches = file["PAMR/patches"]
+        names, now = (patches[of].asstr()[:].tolist() for of in ("names", "kinds"))
+        del patches["kinds"], file["PAMR/checksums"]
+        patches.create_dataset("kinds", data=[kinds.get(*pair) for pair in zip(names, now)], dtype=h5py.string_dtype())
+    return to
 
 
 def triangles_of(name):
@@ -62,14 +75,19 @@ def test_they_come_back_without_a_tag_from_every_format_that_allows_it():
         for name, options in WITHOUT_TAG.items():
             given = run("pamr-convert", source, name, *options, "--force", "--json", "-")
             assert "boundary" not in given.json.get("references", {}) and "'boundary'" not in given.err, (name, given.err)
+            assert "became" not in given.err and given.json["untagged_faces"] == 8 * n, (name, given.err)
             back = run("pamr-convert", name, "back.hdf", "--force", "--json", "-", serial=True)
             assert patches_of("back.hdf") == named(expected, name), (name, patches_of("back.hdf"))
-            carries = name[-4:] in (".vtu", ".hdf")  # these say which triangles have no tag
-            assert carries or back.json["untagged_faces"] == 8 * n, (name, back.json)
+            assert back.json["untagged_faces"] == 8 * n, (name, back.json)
+            told = f"{8 * n} boundary faces without tag are in the patch 'boundary'" in back.err
+            assert told == (name != "g.hdf"), (name, back.err)  # a native file knows them by their kind
+            if told and n == 1:
+                refuses("pamr-convert", name, "strict.hdf", "--strict", says=[name, "8 faces without"], creates="strict.hdf")
             if "me" in name[-6:] or name.endswith(".msh"):
                 assert triangles_of(name) == 4 * n, name
         for name, options in WITH_TAG.items():
-            run("pamr-convert", source, name, *options, "--force", "--quiet")
+            told = run("pamr-convert", source, name, *options, "--force").err
+            assert told.count(f"{8 * n} boundary faces without tag became the patch 'boundary'") == 1, (name, told)
             run("pamr-convert", name, "back.hdf", "--force", "--quiet", serial=True)
             assert {p: faces for p, (_, faces) in patches_of("back.hdf").items()} == {p: faces for p, (_, faces) in expected.items()}, name
 
@@ -82,7 +100,7 @@ def test_a_group_of_the_user_that_is_called_boundary_keeps_its_name():
         run("pamr-convert", "own.hdf", name, *options, "--quiet")
         told = run("pamr-convert", name, "back.hdf", "--force", serial=True).err
         assert patches_of("back.hdf") == expected, name
-        assert name == "f.vtu" or "8 boundary faces without tag are in the patch 'boundary_2'" in told, told
+        assert "8 boundary faces without tag are in the patch 'boundary_2'" in told, told
     # all faces have a tag, one of them this name
     kuhn_cube("cube.hdf", 1)
     with h5py.File("cube.hdf", "r+") as file:
@@ -98,8 +116,10 @@ def test_a_group_of_the_user_that_is_called_boundary_keeps_its_name():
 def test_a_mesh_without_any_tag_gets_none():
     kuhn_cube("cube.hdf", 1)
     bare_copy("cube.hdf", "bare.hdf")
+    refuses("pamr-convert", "bare.hdf", "strict.msh", "--strict", says=["bare.hdf", "12 faces without"], creates="strict.msh")
     for name in ("bare.msh", "bare.mesh", "bare.cgns", "bare.vtu"):
-        run("pamr-convert", "bare.hdf", name, "--quiet")
+        told = run("pamr-convert", "bare.hdf", name, "--quiet").err
+        assert "12 boundary faces without tag are in the patch 'boundary'" in told, told
         run("pamr-convert", name, "back.hdf", "--force", "--quiet", serial=True)
         assert patches_of("back.hdf") == {"boundary": ("untagged", 12)}, (name, patches_of("back.hdf"))
         with h5py.File("back.hdf") as file:
@@ -119,6 +139,57 @@ def test_the_same_on_any_number_of_ranks_and_after_coarsening():
     run("pamr-mark", "fine.hdf", "-o", "coarse.hdf", "--box", "9,9,9,9,9,9", "--coarsen-rest", "--quiet")
     run("pamr-refine", "coarse.hdf", "-o", "back.hdf", "--quiet")
     assert patches_of("back.hdf") == patches_of("part.hdf") and patches_of("back.hdf")["boundary"] == ("untagged", 8)
+
+
+def test_there_is_one_patch_of_them_and_none_inside():
+    run("pamr-convert", gmsh_file("part.msh", sheet=[[0, 3, 7]]), "part.hdf", "--quiet")
+    run("pamr-convert", "part.hdf", "part.vtu", "--quiet")
+    head, data = pathlib.Path("part.vtu").read_bytes().split(b"<AppendedData", 1)
+    for patch, says in (("floor", ["at most one patch of kind 'untagged'", "'boundary'", "'floor'"]),
+                        ("physical_9", ["at most one patch", "'physical_9'"])):
+        with_kinds("part.hdf", "two.hdf", **{patch: "untagged"})
+        pathlib.Path("two.vtu").write_bytes(head.replace(b'"patch ' + patch.encode(), b'"untagged patch ' + patch.encode()) + b"<AppendedData" + data)
+        for name in ("two.hdf", "two.vtu"):
+            refuses("pamr-convert", name, "no.msh", says=[name, *says], creates="no.msh")
+        refuses("pamr-mark", "two.hdf", "-o", "no.hdf", "--all", says=["two.hdf", *says], creates="no.hdf")
+    with_kinds("part.hdf", "inside.hdf", physical_9="untagged", boundary="wall")
+    refuses("pamr-convert", "inside.hdf", "no.msh", says=["inside.hdf", "found 1 inside in 'physical_9'"], creates="no.msh")
+    assert not run("pamr-quality", "inside.hdf", "--json", "-", code=1).json["valid"]
+
+
+def test_a_kind_makes_the_patch_of_an_old_file_one_without_a_tag():
+    run("pamr-convert", gmsh_file("part.msh"), "part.hdf", "--quiet")
+    with_kinds("part.hdf", "old.hdf", boundary="")
+    run("pamr-convert", "old.hdf", "old.msh", "--quiet")
+    told = run("pamr-convert", "old.hdf", "new.msh", "--kind", "boundary=untagged").err
+    assert triangles_of("old.msh") == 12 and triangles_of("new.msh") == 4 and "boundary" not in told, told
+    run("pamr-convert", "old.hdf", "new.hdf", "--kind", "boundary=untagged", "--quiet")
+    assert patches_of("new.hdf") == patches_of("part.hdf")
+    refuses("pamr-convert", "old.hdf", "no.hdf", "--kind", "*=untagged", says=["at most one patch", "'boundary'", "'floor'"], creates="no.hdf")
+    refuses("pamr-convert", "part.hdf", "no.hdf", "--kind", "side=untagged", says=["at most one patch", "'side'"], creates="no.hdf")
+
+
+def test_a_solid_of_their_name_does_not_take_them():
+    run("pamr-convert", gmsh_file("part.msh"), "part.hdf", "--quiet")
+    faces = [face for cell in CELLS.tolist() for face in itertools.combinations(sorted(cell), 3)]
+    outer = [face for face in faces if faces.count(face) == 1]
+    floor = [face for face in outer if max(face) < 4]
+
+    def outward(face):
+        a, b, c = NODES[list(face)]
+        return face if np.cross(b - a, c - a) @ (a - 0.5) > 0 else face[::-1]
+
+    text = ""
+    for name, triangles in (("floor", floor), ("boundary", [face for face in outer if face not in floor])):
+        facets = ("".join("vertex {:g} {:g} {:g}\n".format(*NODES[n]) for n in outward(face)) for face in triangles)
+        text += f"solid {name}\n" + "".join(f"facet normal 0 0 0\nouter loop\n{f}endloop\nendfacet\n" for f in facets) + f"endsolid {name}\n"
+    pathlib.Path("body.stl").write_text(text)
+    pathlib.Path("body.toml").write_text('[[surface]]\nname = "body"\nkind = "triangulation"\nfile = "body.stl"\n')
+    ties = run("pamr-convert", "part.msh", "on.hdf", "--surfaces", "body.toml", "--json", "-").json["ties"]
+    assert list(ties) == ["floor"], ties
+    # by its name the user may put them on a surface
+    ties = run("pamr-convert", "part.msh", "all.hdf", "--surfaces", "body.toml", "--tie", "boundary=body", "--json", "-").json["ties"]
+    assert sorted(ties) == ["boundary", "floor"], ties
 
 
 run_tests(globals(), on_ranks=(test_the_same_on_any_number_of_ranks_and_after_coarsening,))

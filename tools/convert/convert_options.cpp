@@ -162,9 +162,10 @@ void declare(cli::CommandLine& line, Options& options) {
               "factor for all coordinates and for the surfaces that a native mesh has; new surfaces are in the new "
               "coordinates")
       .show_default();
-  line.option("--kind", options.kinds,
-              "PATCH=KIND: wall, symmetry, symmetryPlane, farfield, inflow, outflow or patch (none); may be repeated; "
-              "PATCH may stand for several: \"face_*\"")
+  line.option(
+          "--kind", options.kinds,
+          "PATCH=KIND: wall, symmetry, symmetryPlane, farfield, inflow, outflow, patch (none) or untagged (for one: "
+          "its faces have no tag); may be repeated; PATCH may stand for several: \"face_*\"")
       .type_name("PAIR")
       .one_at_a_time();
   line.flag("--weld", options.weld,

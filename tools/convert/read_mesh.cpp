@@ -21,13 +21,14 @@
 #include "pamr/io/formats.hpp"
 #include "pamr/mesh/find_patches.hpp"
 #include "pamr/mesh/level0_map.hpp"
+#include "pamr/mesh/untagged_patch.hpp"
 
 namespace pamr::convert {
 
 namespace {
 
-constexpr std::array<std::string_view, 7> kinds{"wall",   "symmetry", "symmetryPlane", "farfield",
-                                                "inflow", "outflow",  "patch"};
+constexpr std::array<std::string_view, 8> kinds{"wall",   "symmetry", "symmetryPlane", "farfield",
+                                                "inflow", "outflow",  "patch",         mesh::untagged_kind};
 
 geometry::SharedSurfaces scaled_surfaces(const geometry::SurfaceSet& surfaces, double factor) {
   try {
@@ -39,7 +40,7 @@ geometry::SharedSurfaces scaled_surfaces(const geometry::SurfaceSet& surfaces, d
 
 }  // namespace
 
-mesh::DistMesh read_mesh(cli::Session& session, const ReadRequest& request, nlohmann::json& report) {
+ReadMesh read_mesh(cli::Session& session, const ReadRequest& request, nlohmann::json& report) {
   const std::function<void(const std::string&)> refuse = [](const auto& remark) { throw Error(remark); };
   const auto& format = io::format_to_read(request.file);
   auto read = format.read(session.comm(), request.file,
@@ -49,8 +50,12 @@ mesh::DistMesh read_mesh(cli::Session& session, const ReadRequest& request, nloh
                            .remark = request.strict ? refuse : session.remarks(),
                            .solution = request.solution,
                            .field_names = request.field_names});
-  if (format.is_native) return std::move(read.mesh);
   if (request.strict) io::refuse_changes(read, io::source_of(request.file));
+  report["untagged_faces"] = mesh::count_untagged_faces(session.comm(), read.mesh);
+  if (format.is_native) {
+    const auto remark = io::remark_on_untagged(read);
+    return {std::move(read.mesh), remark.empty() ? std::vector<std::string>() : std::vector{remark}, {}};
+  }
   if (format.has_elements) {
     auto& overlaps = report["group_overlaps"] = nlohmann::json::array();
     for (const auto& one : read.overlaps)
@@ -65,13 +70,11 @@ mesh::DistMesh read_mesh(cli::Session& session, const ReadRequest& request, nloh
     auto& cut = report["cut_elements"] = nlohmann::json::object();
     for (const auto& [type, n] : read.cut) cut[io::name_of_type(type)] = n;
   }
-  report["untagged_faces"] = read.n_untagged_faces;
   report["turned_cells"] = read.n_turned;
   report["dropped_nodes"] = read.n_dropped_nodes;
-  for (const auto& remark : io::remarks_of(read)) session.warn(remark);
-  for (const auto& note : read.notes) session.note(note);
+  auto warnings = io::remarks_of(read);
   read.mesh.info.provenance = fmt::format("pamr-convert from {}", format.name);
-  return std::move(read.mesh);
+  return {std::move(read.mesh), std::move(warnings), std::move(read.notes)};
 }
 
 void scale_mesh(const par::Comm& comm, mesh::DistMesh& mesh, double factor, bool needs_surfaces) {
@@ -98,8 +101,11 @@ void set_kinds(const std::vector<std::string>& pairs, mesh::DistMesh& mesh) {
     if (std::find(kinds.begin(), kinds.end(), kind) == kinds.end())
       throw Error(fmt::format("--kind: expected PATCH=KIND with a kind of {}, found '{}'", listed(kinds), pair));
     auto& patches = mesh.info.patches;
-    for (const int patch : mesh::require_patches(patches, name, "--kind"))
-      patches[at(patch)].kind = kind == "patch" ? "" : kind;
+    for (const int p : mesh::require_patches(patches, name, "--kind")) {
+      auto& patch = patches[at(p)];
+      patch.kind = kind == "patch" ? "" : kind;
+      if (mesh::is_untagged(patch)) patch = {.name = patch.name, .kind = patch.kind, .surface = patch.surface};
+    }
   }
 }
 

@@ -19,9 +19,14 @@ struct ReadRequest {
   std::vector<std::string> field_names;  ///< of its fields
 };
 
-/// Reads a mesh of any format; `report` and warnings say what the reader had to change. Throws `Error` on every rank.
+struct ReadMesh {
+  mesh::DistMesh mesh;
+  std::vector<std::string> warnings, notes;  ///< what the reader had to change, to be said of a valid mesh
+};
+
+/// Reads a mesh of any format; `report` says, too, what the reader had to change. Throws `Error` on every rank.
 /// Collective.
-mesh::DistMesh read_mesh(cli::Session& session, const ReadRequest& request, nlohmann::json& report);
+ReadMesh read_mesh(cli::Session& session, const ReadRequest& request, nlohmann::json& report);
 
 /// Multiplies the coordinates. Surfaces would stay as they are: they are dropped if nobody `needs_surfaces`, else
 /// throws `Error`, as for coordinates beyond the range of numbers. Collective.

@@ -19,6 +19,7 @@
 #include "pamr/mesh/find_patches.hpp"
 #include "pamr/mesh/inner_patches.hpp"
 #include "pamr/mesh/tet.hpp"
+#include "pamr/mesh/untagged_patch.hpp"
 #include "pamr/par/exchange.hpp"
 #include "pamr/par/mailbox.hpp"
 
@@ -32,13 +33,20 @@ std::vector<std::string> part_names(const geometry::Surface* surface) {
   return triangulated == nullptr ? std::vector<std::string>() : triangulated->part_names();
 }
 
+/// The patches that a part of a file is called after, but for that of faces without a tag, whose name nobody has given.
+std::vector<int> patches_of_part(const std::vector<mesh::Patch>& patches, const std::string& part) {
+  auto found = mesh::find_patches(patches, part);
+  std::erase_if(found, [&](int patch) { return mesh::is_untagged(patches[at(patch)]); });
+  return found;
+}
+
 /// Puts patches without a surface on that of which a part has their name, among the first `n`.
 void assign_by_parts(const std::vector<mesh::Patch>& patches, const geometry::SurfaceSet& surfaces, int n,
                      std::vector<int>& assigned) {
   std::vector<int> found(assigned.size(), -1);
   for (int i = 0; i < n; ++i)
     for (const auto& part : part_names(surfaces.get(i)))
-      for (const int patch : mesh::find_patches(patches, part)) {
+      for (const int patch : patches_of_part(patches, part)) {
         auto& here = found[at(patch)];
         if (assigned[at(patch)] < 0 && here >= 0 && here != i)
           throw Error(
@@ -234,7 +242,7 @@ std::string hint_at_units(const par::Comm& comm, const mesh::DistMesh& mesh, con
 }  // namespace
 
 geometry::PartChoice parts_with_patch(const std::vector<mesh::Patch>& patches) {
-  return [patches](const std::string& name) { return !mesh::find_patches(patches, name).empty(); };
+  return [patches](const std::string& name) { return !patches_of_part(patches, name).empty(); };
 }
 
 std::vector<std::string> names_of_patches_on(const geometry::SurfaceSet& surfaces) {

@@ -33,6 +33,7 @@
 #include "pamr/io/ugrid/write_ugrid.hpp"
 #include "pamr/io/vtk/read_legacy_vtk.hpp"
 #include "pamr/io/vtk/read_vtu.hpp"
+#include "pamr/mesh/untagged_patch.hpp"
 
 namespace pamr::io {
 
@@ -59,9 +60,10 @@ const std::vector<Format> table{
      .endings = {".hdf", ".vtkhdf"},
      .read =
          [](const Comm& comm, const Path& file, const Read& o) {
+           NativeFile native(comm, file, {.build_surfaces = o.build_surfaces, .remark = o.remark});
            ElementMesh read;
-           read.mesh = assemble::assemble(
-               comm, read_native(comm, file, {.build_surfaces = o.build_surfaces, .remark = o.remark}));
+           read.mesh = assemble::assemble(comm, native.read());
+           if (!native.is_of_pamr()) read.n_untagged_faces = mesh::count_untagged_faces(comm, read.mesh);
            return read;
          },
      .write =
@@ -135,13 +137,15 @@ const std::vector<Format> table{
      .read = [](const Comm& comm, const Path& file, const Read& o) { return read_su2(comm, file, elements_of(o)); },
      .write = [](const Comm& comm, const Path& file, const mesh::DistMesh& mesh,
                  const Write& o) { write_su2(comm, file, mesh, o.remark); },
-     .has_elements = true},
+     .has_elements = true,
+     .wants_every_face = true},
     {.name = "UGRID",
      .endings = {".lb8.ugrid", ".b8.ugrid"},
      .read = [](const Comm& comm, const Path& file, const Read& o) { return read_ugrid(comm, file, elements_of(o)); },
      .write = [](const Comm& comm, const Path& file, const mesh::DistMesh& mesh,
                  const Write&) { write_ugrid(comm, file, mesh); },
      .has_elements = true,
+     .wants_every_face = true,
      .has_numbers = true,
      .kinds = aerodynamic_kinds,
      .file_beside = mapbc_file},
@@ -171,6 +175,7 @@ const std::vector<Format> table{
                  const Write& o) { write_foam(comm, file, mesh, o.remark); },
      .has_elements = true,
      .is_folder = true,
+     .wants_every_face = true,
      .has_inner_patches = true,
      .has_regions = true,
      .has_region_names = true,
@@ -262,8 +267,9 @@ void write_mesh(const Comm& comm, const Path& file, const mesh::DistMesh& mesh, 
   const auto& format = format_to_write(comm, file);
   format.write(comm, file, mesh, options);
   for (const auto& text : texts_of_losses(comm, format, mesh, options)) options.remark(text);
-  if (options.note && !format.is_surface)
-    if (const auto text = text_of_lost_history(comm, format, mesh); !text.empty()) options.note(text);
+  if (!options.note || format.is_surface) return;
+  for (const auto& text : {text_of_named_faces(comm, format, mesh), text_of_lost_history(comm, format, mesh)})
+    if (!text.empty()) options.note(text);
 }
 
 }  // namespace pamr::io

@@ -55,6 +55,7 @@ struct Format {
   bool has_elements = false;  ///< read element by element (`mesh_of_elements`): of another program, of level 0
   bool is_surface = false;    ///< holds the boundary alone
   bool is_folder = false;
+  bool wants_every_face = false;                          ///< has a place in a patch for each face of the boundary
   bool has_inner_patches = false;                         ///< has a place for patches of faces inside
   bool has_fields = false, has_regions = false;           ///< has a place for fields, for the field `region`
   bool has_names = true;                                  ///< of patches
@@ -95,8 +96,8 @@ std::string list_endings(const Format& format, std::string_view before_last);
 ElementMesh read_mesh(const par::Comm& comm, const std::filesystem::path& file, const MeshReadOptions& options = {});
 
 /// Writes a mesh. `options.remark` gets a sentence for fields, regions, conditions, names, kinds, groups and patches of
-/// inner faces that the format has no place for, `options.note` one for levels, surfaces and the unit of lengths. The bytes
-/// do not depend on the number of ranks. Collective; throws the same `Error` on every rank, and leaves nothing behind
+/// inner faces that the format has no place for, `options.note` one for levels, surfaces and the unit of lengths, and one
+/// for boundary faces without a tag that the format wants in a patch. The bytes do not depend on the number of ranks. Collective; throws the same `Error` on every rank, and leaves nothing behind
 /// then.
 void write_mesh(const par::Comm& comm, const std::filesystem::path& file, const mesh::DistMesh& mesh,
                 const MeshWriteOptions& options = {});

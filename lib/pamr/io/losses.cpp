@@ -175,6 +175,15 @@ std::vector<std::string> texts_of_losses(const par::Comm& comm, const Format& fo
   return texts;
 }
 
+std::string text_of_named_faces(const par::Comm& comm, const Format& format, const mesh::DistMesh& mesh) {
+  if (!format.wants_every_face) return {};
+  const auto n = mesh::count_untagged_faces(comm, mesh);
+  if (n == 0) return {};
+  return fmt::format("{} the patch '{}', because files of {} want every face of the boundary in one",
+                     counted(n, "boundary face without tag became", "boundary faces without tag became"),
+                     mesh.info.patches[mesh::find_untagged(mesh.info.patches)].name, format.name);
+}
+
 std::string text_of_lost_history(const par::Comm& comm, const Format& format, const mesh::DistMesh& mesh) {
   if (format.is_native) return {};
   const auto& patches = mesh.info.patches;

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "pamr/mesh/dist_mesh.hpp"
+#include "pamr/par/comm.hpp"
 
 namespace pamr::mesh {
 
@@ -16,6 +18,12 @@ inline bool is_untagged(const Patch& patch) { return patch.kind == untagged_kind
 
 /// The index of the patch for boundary faces without a tag, the number of patches if there is none. Local.
 std::size_t find_untagged(const std::vector<Patch>& patches);
+
+/// Boundary faces of the patch of this index, which need not be there yet. Collective: one reduction.
+std::int64_t count_faces_of(const par::Comm& comm, const DistMesh& mesh, int patch);
+
+/// Boundary faces without a tag. Collective: likewise.
+std::int64_t count_untagged_faces(const par::Comm& comm, const DistMesh& mesh);
 
 /// A patch for boundary faces without a tag beside others: `boundary`, or `boundary_2`, ... where that is taken. Local.
 Patch untagged_patch(const std::vector<Patch>& others);

@@ -23,6 +23,7 @@ enum class Invariant : std::uint8_t {
   not_flat,
   patches_in_range,
   inner_patches_agree,
+  untagged_outside,
   neighbors_reciprocal,
   conforming,
   border_matches,
@@ -32,11 +33,11 @@ enum class Invariant : std::uint8_t {
   nodes_referenced,
   boundary_manifold,
 };
-inline constexpr std::array<const char*, 18> invariant_name{
-    "ids_in_range",         "cells_ascend",         "unique_cells",     "distinct_corners", "fields_sized",
-    "finite_coordinates",   "orientation_positive", "not_flat",         "patches_in_range", "inner_patches_agree",
-    "neighbors_reciprocal", "conforming",           "border_matches",   "families_whole",   "unique_nodes",
-    "shared_nodes_equal",   "nodes_referenced",     "boundary_manifold"};
+inline constexpr std::array<const char*, 19> invariant_name{
+    "ids_in_range",       "cells_ascend",         "unique_cells",     "distinct_corners", "fields_sized",
+    "finite_coordinates", "orientation_positive", "not_flat",         "patches_in_range", "inner_patches_agree",
+    "untagged_outside",   "neighbors_reciprocal", "conforming",       "border_matches",   "families_whole",
+    "unique_nodes",       "shared_nodes_equal",   "nodes_referenced", "boundary_manifold"};
 
 /// What this rank found: how often each invariant is broken, and the smallest place.
 struct Findings {

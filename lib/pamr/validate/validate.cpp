@@ -6,8 +6,12 @@
 #include <algorithm>
 #include <limits>
 
+#include "pamr/base/counted.hpp"
 #include "pamr/base/error.hpp"
+#include "pamr/base/index.hpp"
+#include "pamr/base/listed.hpp"
 #include "pamr/geometry/tet_shape.hpp"
+#include "pamr/mesh/untagged_patch.hpp"
 #include "pamr/validate/findings.hpp"
 #include "pamr/validate/validate_border.hpp"
 #include "pamr/validate/validate_cells.hpp"
@@ -66,11 +70,15 @@ void check_fields(const std::vector<mesh::Field>& fields, std::size_t n, Finding
   }
 }
 
-/// Lengths, numbers in range, distinct corners, ascending cells, fields: what the rest relies on. Local.
+/// Lengths, numbers in range, distinct corners, ascending cells, fields: what the rest relies on; and patches for faces
+/// without a tag, which all ranks know, on the first one. Local.
 void check_structure(const mesh::DistMesh& mesh, Rank rank, Rank size, Findings& findings) {
   const auto n_cells = mesh.cell_to_node.size(), n_nodes = mesh.node_position.size();
   check_fields(mesh.cell_fields, n_cells, findings);
   check_fields(mesh.node_fields, n_nodes, findings);
+  const auto& patches = mesh.info.patches;
+  if (const auto n = std::count_if(patches.begin(), patches.end(), mesh::is_untagged); rank == 0 && n > 1)
+    findings.add(Invariant::untagged_outside, -1, n - 1);
   if (mesh.cell_to_cell.size() != n_cells || mesh.cell_global.size() != n_cells || mesh.lineage.size() != n_cells ||
       (!mesh.cell_origin.empty() && mesh.cell_origin.size() != n_cells) || mesh.node_global.size() != n_nodes ||
       !border_fits(mesh, rank, size))
@@ -86,6 +94,18 @@ bool is_far_from_flat(const geometry::TetPoints& p) {
   const double determinant = dot(cross(u, v), w);
   const double bound = far * 5 * (dot(u, u) + dot(v, v) + dot(w, w)) / 12;
   return determinant > 0 && 0.25 * determinant * determinant > bound * bound * bound;
+}
+
+/// Which patches break `untagged_outside`, and how.
+std::string text_of_untagged(const mesh::MeshInfo& info, std::int64_t n_faces_inside) {
+  std::vector<std::string> names;
+  for (const auto& patch : info.patches)
+    if (mesh::is_untagged(patch)) names.push_back("'" + patch.name + "'");
+  if (names.size() > 1)
+    return fmt::format("expected at most one patch of kind '{}', found {}", mesh::untagged_kind,
+                       listed(names, {.before_last = " and "}));
+  return fmt::format("expected faces of the boundary alone in a patch of kind '{}', found {} inside in {}",
+                     mesh::untagged_kind, n_faces_inside, names.front());
 }
 
 }  // namespace
@@ -116,8 +136,12 @@ void require_valid(const par::Comm& comm, const mesh::DistMesh& mesh, const std:
   const auto& first = violations.front();
   const bool at_node = first.invariant == "finite_coordinates" || first.invariant == "unique_nodes" ||
                        first.invariant == "shared_nodes_equal" || first.invariant == "nodes_referenced";
-  auto text = fmt::format("{}: expected a valid mesh, found `{}` broken {}", what, first.invariant, first.count);
-  text += first.count == 1 ? " time" : " times";
+  auto text = what + ": ";
+  if (first.invariant == invariant_name[at(static_cast<int>(Invariant::untagged_outside))])
+    text += text_of_untagged(mesh.info, first.count);
+  else
+    text += fmt::format("expected a valid mesh, found `{}` broken {}", first.invariant,
+                        counted(first.count, "time", "times"));
   if (first.where >= 0) text += fmt::format(", first at {} {}", at_node ? "node" : "cell", first.where);
   if (first.invariant == "boundary_manifold")
     text += " (the boundary touches itself in an edge, where four of its faces meet)";

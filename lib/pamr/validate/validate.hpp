@@ -32,6 +32,7 @@ struct Violation {
 /// | `not_flat`              | mean ratio of at least 1e-8                                                            |
 /// | `patches_in_range`      | boundary and inner faces name patches that exist                                       |
 /// | `inner_patches_agree`   | both cells at an inner face name the same patch for it                                  |
+/// | `untagged_outside`      | at most one patch of kind `untagged`, which has no faces inside                        |
 /// | `neighbors_reciprocal` | a neighbor names the cell in turn, across the same nodes, and lies on their other side
 /// | | `conforming`            | a face is in one cell, with a patch, or in two that name each other: no hanging node |
 /// | `border_matches`        | both ranks list the same rank-border faces in the same order                           |
@@ -47,7 +48,8 @@ struct Violation {
 /// of 16 bytes a node, and proportional to the rank border and to the boundary.
 std::vector<Violation> validate(const par::Comm& comm, const mesh::DistMesh& mesh);
 
-/// Throws `Error` naming the first violation, where it is, and `what`, the same on every rank. Collective.
+/// Throws `Error` naming the first violation, where it is (of `untagged_outside` the patches), and `what`, the same on
+/// every rank. Collective.
 void require_valid(const par::Comm& comm, const mesh::DistMesh& mesh, const std::string& what);
 
 /// Throws `Error` naming `what`, the same on every rank, for a mesh that breaks `finite_coordinates`,

@@ -7,6 +7,7 @@
 #include "pamr/mesh/face_groups.hpp"
 #include "pamr/mesh/inner_patches.hpp"
 #include "pamr/mesh/ring.hpp"
+#include "pamr/mesh/untagged_patch.hpp"
 #include "pamr/par/exchange.hpp"
 #include "pamr/validate/validate_cells.hpp"
 
@@ -83,7 +84,10 @@ void check_inner_patches(const par::Comm& comm, const mesh::DistMesh& mesh, Find
   const mesh::InnerPatches inner(mesh);
   inner.for_each([&](mesh::CellFace face, int patch) {
     const auto cell = face.cell, next = slot_at(mesh, face);
-    if (at(patch) >= mesh.info.patches.size()) findings.add(Invariant::patches_in_range, number_of(mesh, cell));
+    if (at(patch) >= mesh.info.patches.size())
+      findings.add(Invariant::patches_in_range, number_of(mesh, cell));
+    else if (mesh::is_untagged(mesh.info.patches[at(patch)]) && inner.is_first_side(face))
+      findings.add(Invariant::untagged_outside, number_of(mesh, cell));
     bool agrees = mesh.is_ghost(next);
     for (int slot = 0; mesh.is_own(next) && slot < 4; ++slot)  // a broken neighbor may name the cell twice, or never
       agrees = agrees || (slot_at(mesh, {next, slot}) == cell && inner.of({next, slot}) == patch);

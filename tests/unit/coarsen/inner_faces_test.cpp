@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Patches of inner faces: children of a face inherit its patch, and coarsening restores it.
 #include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,10 +10,12 @@
 #include <numbers>
 
 #include "coarsen_case.hpp"
+#include "pamr/base/error.hpp"
 #include "pamr/geometry/tet_shape.hpp"
 #include "pamr/mesh/fingerprint.hpp"
 #include "pamr/mesh/inner_patches.hpp"
 #include "pamr/mesh/tet.hpp"
+#include "pamr/mesh/untagged_patch.hpp"
 #include "pamr/par/reproducible_sum.hpp"
 #include "pamr/validate/validate.hpp"
 #include "support/dice.hpp"
@@ -288,6 +291,33 @@ TEST(InnerFaces, AreSeenByTheFingerprintAndByValidate) {
   EXPECT_EQ(first_violation(), "inner_patches_agree");  // one side alone
   if (comm.is_first()) word[0] = mesh::with_inner_patch(0, mesh.cell_to_cell[0][0] < 0 ? 1 : 0, 8);
   EXPECT_EQ(first_violation(), "patches_in_range");
+}
+
+TEST(InnerFaces, HaveNoPatchOfFacesWithoutATag) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  auto mesh = random_sheets(comm, 5).mesh;
+  ASSERT_TRUE(validate::validate(comm, mesh).empty());
+  const auto n_inside = mesh::count_inner_faces(comm, mesh);
+  const auto message = [&] {
+    try {
+      validate::require_valid(comm, mesh, "a.hdf");
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    return std::string("none");
+  };
+
+  mesh.info.patches[6].kind = mesh::untagged_kind;
+  EXPECT_THAT(message(),
+              testing::HasSubstr(fmt::format(
+                  "a.hdf: expected faces of the boundary alone in a patch of kind 'untagged', found {} inside "
+                  "in '{}'",
+                  n_inside[6], mesh.info.patches[6].name)));
+  mesh.info.patches[0].kind = mesh::untagged_kind;
+  EXPECT_EQ(message(), fmt::format("a.hdf: expected at most one patch of kind 'untagged', found '{}' and '{}'",
+                                   mesh.info.patches[0].name, mesh.info.patches[6].name));
+  mesh.info.patches[6].kind.clear();
+  EXPECT_EQ(message(), "none");
 }
 
 }  // namespace inner_faces_test

@@ -48,6 +48,13 @@ void add_unused_groups(const ElementMesh& read, std::vector<std::string>& remark
 
 }  // namespace
 
+std::string remark_on_untagged(const ElementMesh& read) {
+  if (read.n_untagged_faces == 0) return {};
+  return fmt::format("{} in the patch '{}'",
+                     counted(read.n_untagged_faces, "boundary face without tag is", "boundary faces without tag are"),
+                     read.mesh.info.patches.at(mesh::find_untagged(read.mesh.info.patches)).name);
+}
+
 std::vector<std::string> remarks_of(const ElementMesh& read) {
   std::vector<std::string> remarks;
   for (const auto& overlap : read.overlaps)
@@ -64,11 +71,7 @@ std::vector<std::string> remarks_of(const ElementMesh& read) {
   if (read.n_untagged_triangles > 0)
     remarks.push_back(counted(read.n_untagged_triangles, "triangle without tag was", "triangles without tag were") +
                       " left out");
-  if (read.n_untagged_faces > 0)
-    remarks.push_back(
-        fmt::format("{} in the patch '{}'",
-                    counted(read.n_untagged_faces, "boundary face without tag is", "boundary faces without tag are"),
-                    read.mesh.info.patches.at(mesh::find_untagged(read.mesh.info.patches)).name));
+  if (auto remark = remark_on_untagged(read); !remark.empty()) remarks.push_back(std::move(remark));
   if (auto warning = mesh::warning_of_periodic(read.mesh.info.patches); !warning.empty())
     remarks.push_back(std::move(warning));
   return remarks;
@@ -92,7 +95,7 @@ void refuse_changes(const ElementMesh& read, const std::string& source) {
   refuse(read.n_turned, "cells of positive volume, found {} inverted ones");
   refuse(read.n_periodic_links, "no periodic links, found {}");
   refuse(read.n_dropped_nodes, "nodes that belong to cells, found {} others");
-  refuse(read.n_untagged_faces, "a triangle on every boundary face, found {} faces without");
+  refuse(read.n_untagged_faces, "a tag on every boundary face, found {} faces without");
   for (const auto& remark : read.remarks) throw Error(source + ": " + remark);
 }
 

@@ -486,7 +486,7 @@ ElementMesh mesh_of_elements(const par::Comm& comm, ElementParts parts, const st
   const auto untagged = mesh::find_untagged(patches);
   const auto match = assemble::match_boundary(comm, result.mesh, boundary, static_cast<int>(untagged));
   require_fitting_triangles(match, source, first_misfit(comm, parts, match, patch_of_group));
-  result.n_untagged_faces = match.n_untagged;
+  result.n_untagged_faces = mesh::count_faces_of(comm, result.mesh, static_cast<int>(untagged));
   for (std::size_t p = 0; p < match.n_inner.size(); ++p)
     if (match.n_inner[p] > 0) result.inner_faces[patches[p].name] = match.n_inner[p];
   for (const auto& [pair, n] : match.in_two_patches)

@@ -49,7 +49,7 @@ struct ElementMesh {
   std::int64_t n_periodic_links = 0;  ///< that are not kept; their surfaces are patches of kind `periodic`
   /// By patch: faces inside, which have cells on both sides (`mesh/inner_patches.hpp`).
   std::map<std::string, std::int64_t> inner_faces;
-  std::int64_t n_untagged_faces = 0;       ///< boundary faces without triangle: they are in the patch `boundary`
+  std::int64_t n_untagged_faces = 0;       ///< boundary faces without a tag, which have a patch of that kind
   std::vector<GroupOverlap> overlaps;      ///< each pair of groups once
   std::int64_t n_untagged_triangles = 0;   ///< that no group has: left out
   std::vector<UnusedGroup> unused_groups;  ///< by dimension and number

@@ -90,6 +90,8 @@ NativeFile::~NativeFile() = default;
 
 const mesh::MeshInfo& NativeFile::info() const { return open_->layout.info; }
 
+bool NativeFile::is_of_pamr() const { return open_->catalog.has_pamr_group; }
+
 bool NativeFile::has_integers(std::string_view cell_field) const {
   return find_integers(open_->layout, cell_field) != nullptr;
 }

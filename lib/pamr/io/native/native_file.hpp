@@ -44,7 +44,7 @@ struct ReadOptions {
 /// HDF5 1.10 itself may die of a damaged file all the same (docs/file-format.md, *Damaged files*).
 /// The geometry is not looked at (`validate::validate` does), nor are neighbors matched (`assemble::assemble` does).
 ///
-/// All functions but `info` and `has_integers` are collective; so are the constructor and the destructor. They throw
+/// All functions but `info`, `is_of_pamr` and `has_integers` are collective; so are the constructor and the destructor. They throw
 /// the same `Error` on every rank.
 class NativeFile {
  public:
@@ -57,6 +57,8 @@ class NativeFile {
 
   /// What the file says of the whole mesh, but for the triangulations.
   const mesh::MeshInfo& info() const;
+  /// Whether the file has `/PAMR`; another program wrote one without.
+  bool is_of_pamr() const;
   /// Whether there is a cell field of this name, of one integer component.
   bool has_integers(std::string_view cell_field) const;
 
