@@ -171,6 +171,36 @@ def test_every_format_of_the_tools_is_read():
             assert name in str(wrong), wrong
 
 
+def test_patches_have_the_names_that_pamr_convert_gives():
+    import mesh_files
+    kuhn_cube("cube.hdf", 1)
+    with h5py.File("cube.hdf", "r+") as file:
+        patches = file["PAMR/patches"]
+        others = {"xmin": "boundary", "xmax": "boundary_2", "ymin": "physical_7"}
+        names = [others.get(name, name) for name in patches["names"].asstr()[:]]
+        kinds = ["untagged" if name == "ymax" else "" for name in names]
+        for key, texts in (("names", names), ("kinds", kinds)):
+            del patches[key]
+            patches.create_dataset(key, data=texts, dtype=h5py.string_dtype())
+        del file["PAMR/checksums"]
+    for name in ("a.msh", "b.mesh", "c.vtu", "d.cgns"):
+        run("pamr-convert", "cube.hdf", name, "--quiet", serial=True)
+    # names of tags alone, triangles without one, and arrays of others
+    text = pathlib.Path("c.vtu").read_bytes()
+    pathlib.Path("e.vtu").write_bytes(text.replace(b'Name="untagged patch ymax"', b'Name="mine"'))
+    pathlib.Path("f.vtu").write_bytes(text.replace(b'Name="patch"', b'Name="medit:ref"').replace(b'Name="patch ', b'Name="some '))
+    pathlib.Path("g.vtu").write_bytes(text.replace(b'Name="patch"', b'Name="mine"'))
+    os.environ["PATH"] = f"{BIN}:{os.environ['PATH']}"
+    for name in ("a.msh", "b.mesh", "c.vtu", "d.cgns", "e.vtu", "f.vtu", "g.vtu"):
+        expected = run("pamr-convert", name, "back.hdf", "--force", "--json", "-", serial=True).json["patches"]
+        found = mesh_files.read(name).patches
+        assert sorted(found) == sorted(expected) and len(set(found)) == len(found), (name, found, expected)
+        if name == "a.msh":
+            assert sorted(found) == ["boundary", "boundary_2", "boundary_3", "physical_7", "zmax", "zmin"], found
+        if name == "c.vtu":
+            assert "ymax" in found, found
+
+
 def test_units_of_arrays_are_read():
     import mesh_files
     import values

@@ -20,6 +20,10 @@ BY_VTK = (".vtu", ".vtp", ".vtk", ".stl", ".ply", ".obj")
 BY_MESHIO = (".msh", ".mesh", ".meshb", ".su2", ".off", ".ugrid")
 BY_CONVERT = (".cgns", ".mfem", "")  # "": the folder of an OpenFOAM case
 NO_PATCH = "boundary"
+# Arrays of tags, and how pamr-convert begins the name of a tag that has none (lib/pamr/io/vtk/vtk_grid.cpp).
+TAG_ARRAYS = {"boundary_patch": "patch_", "patch": "patch_", "gmsh:physical": "physical_", "gmsh:geometrical": "surface_",
+              "medit:ref": "ref_", "tetgen:ref": "patch_", "netgen:index": "patch_", "ugrid:ref": "surface_", "nastran:ref": "patch_",
+              "su2:tag": "patch_", "avsucd:material": "patch_", "CellEntityIds": "patch_"}
 
 
 @dataclasses.dataclass
@@ -99,12 +103,19 @@ def matched(faces, tagged, tags):
     return tag_of[number[len(tagged):]]
 
 
-def with_boundary(file, points, cells, tagged, tags, names, **more):
-    """A mesh of cells whose patches come from tagged triangles; `names`: of tags."""
+def untagged_name(others):
+    """What pamr-convert calls the patch of faces without a tag beside these (lib/pamr/mesh/untagged_patch.cpp)."""
+    return next(name for name in (NO_PATCH, *(f"{NO_PATCH}_{i}" for i in range(2, len(others) + 3))) if name not in others)
+
+
+def with_boundary(file, points, cells, tagged, tags, names, rest=None, **more):
+    """A mesh of cells whose patches come from tagged triangles; `names`: of tags; `rest`: of faces without one, if the file says it."""
     faces, owner = outer_faces(cells)
     found = matched(faces, tagged, tags) if len(tagged) else np.full(len(faces), -1)
     known = np.unique(found)
-    patches = [names.get(tag, f"patch_{tag}") if tag >= 0 else NO_PATCH for tag in known.tolist()]
+    patches = [names[tag] for tag in known.tolist() if tag >= 0]
+    if -1 in known:
+        patches.insert(0, rest or untagged_name(list(names.values())))
     return Mesh(file, points, cells, faces, owner, np.searchsorted(known, found), patches, **more)
 
 
@@ -187,10 +198,14 @@ def arrays_of(data):
     return {array.GetName(): vtk_to_numpy(array) for array in arrays if array is not None and array.GetName()}
 
 
-def patch_names(grid):
+def patch_names(grid, start):
     """By number, as pamr-convert writes them: an array `patch NAME` (or `untagged patch NAME`) with the number for each patch."""
-    return {int(values[0]): name[len(start):] for name, values in arrays_of(grid.GetFieldData()).items()
-            for start in ("patch ", "untagged patch ") if name.startswith(start)}
+    return {int(values[0]): name[len(start):] for name, values in arrays_of(grid.GetFieldData()).items() if name.startswith(start)}
+
+
+def named_tags(tags, names, before):
+    """The names of all tags, of those without one as pamr-convert makes them."""
+    return {tag: names.get(tag, f"{before}{tag}") for tag in np.unique(tags[tags >= 0]).tolist()}
 
 
 def mesh_of_vtk(file, grid):
@@ -218,11 +233,15 @@ def mesh_of_vtk(file, grid):
         raise Refused(f"{file}: expected tetrahedra or triangles, found cells of other types only")
     if len(cells) == 0:
         return surface(file, points, triangles, {n: v[rows["triangles"]] for n, v in fields.items()}, nodes)
-    tags = fields["patch"][rows["triangles"]].astype(int) if "patch" in fields else np.zeros(len(triangles), int)
-    names = patch_names(grid) if "patch" in fields else {0: NO_PATCH}
-    fields = {name: values[rows["cells"]] for name, values in fields.items() if name != "patch"}
+    array = next((name for name in TAG_ARRAYS if name in fields and fields[name].ndim == 1 and fields[name].dtype.kind in "iu"), None)
+    tags = fields[array][rows["triangles"]].astype(int) if array else np.full(len(triangles), -1)
+    untagged = patch_names(grid, "untagged patch ") if array else {}
+    tags[np.isin(tags, list(untagged))] = -1
+    names = named_tags(tags, patch_names(grid, "patch "), TAG_ARRAYS.get(array))
+    fields = {name: values[rows["cells"]] for name, values in fields.items() if name not in ("patch", "boundary_patch")}
     level = fields["level"].astype(int) if "level" in fields else None
-    return with_boundary(file, points, cells, triangles, tags, names, cell_fields=fields, node_fields=nodes, level=level)
+    return with_boundary(file, points, cells, triangles, tags, names, rest=next(iter(untagged.values()), None), cell_fields=fields,
+                         node_fields=nodes, level=level)
 
 
 def surface(file, points, triangles, fields, nodes, patch=None, names=None):
@@ -260,12 +279,14 @@ def read_by_meshio(file):
 
     data = [block.data for block in mesh.cells]
     cells, triangles = joined(data, "tetra", 4), joined(data, "triangle", 3)
-    tags = next((v for k, v in mesh.cell_data.items() if k in ("gmsh:physical", "medit:ref", "su2:tag", "ugrid:ref")), None)
-    tags = joined(tags, "triangle", 0).astype(int) if tags is not None and len(triangles) else np.zeros(len(triangles), int)
+    array = next((name for name in TAG_ARRAYS if name in mesh.cell_data), None) if len(triangles) else None
+    tags = joined(mesh.cell_data[array], "triangle", 0).astype(int) if array else np.zeros(len(triangles), int)
     names = {int(tag): name for name, (tag, dimension) in mesh.field_data.items() if dimension == 2}
     if len(cells):
+        if array in (None, "gmsh:physical"):  # 0 is no group
+            tags[tags == 0] = -1
         fields = {k: joined(v, "tetra", 0) for k, v in mesh.cell_data.items()}
-        return with_boundary(file, points, cells, triangles, tags, names, cell_fields=fields,
+        return with_boundary(file, points, cells, triangles, tags, named_tags(tags, names, TAG_ARRAYS.get(array)), cell_fields=fields,
                              node_fields=dict(mesh.point_data))
     if len(triangles) == 0:
         raise Refused(f"{file}: expected tetrahedra or triangles of first order, found "
