@@ -241,8 +241,14 @@ void add_pieces(const std::shared_ptr<const Pieces>& pieces, const Bodies& bodie
         return known.name == piece.name && known.surface == bodies.first[at(piece.surface)];
       });
       patch = static_cast<int>(same - domain.patches.begin());
-      if (same == domain.patches.end())
-        domain.patches.push_back({piece.name, "patch", bodies.first[at(piece.surface)]});
+      if (same == domain.patches.end()) {
+        const int surface = bodies.first[at(piece.surface)];
+        domain.patches.push_back({piece.name, "patch", surface});
+        if (!piece.part.empty() && piece.name != piece.part)
+          domain.notes.push_back(
+              fmt::format("surface \"{}\": \"{}\" of its file is the patch '{}', because another patch has that name",
+                          c.surfaces->name[at(surface)], piece.part, piece.name));
+      }
     } else {
       const int surface = surface_of_face[at(std::max(0, piece.number))];
       auto& known = patch_of_surface[at(surface)];

@@ -21,6 +21,7 @@
 #include "pamr/assemble/kuhn_cube.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
+#include "pamr/check/tears.hpp"
 #include "pamr/geometry/box.hpp"
 #include "pamr/geometry/cad/cad_source.hpp"
 #include "pamr/geometry/parameters.hpp"
@@ -171,6 +172,17 @@ void require_insides(const MeshCase& mesh_case, const Listener& listener) {
   }
 }
 
+/// Says that bodies apart from one another are not told apart. Collective.
+void note_pieces(const par::Comm& comm, const MeshCase& mesh_case, const mesh::DistMesh& mesh,
+                 const Listener& listener) {
+  if (!mesh.info.regions.empty()) return;
+  if (const auto n = check::count_pieces(comm, mesh); n > 1 && comm.is_first())
+    listener.note(
+        fmt::format("{}: the mesh is in {} pieces that no face joins, and they are one region: pamr-mesh of a STEP, "
+                    "IGES or BREP file itself makes a region of each solid",
+                    mesh_case.where, n));
+}
+
 /// The mesh in canonical blocks, without wall ears, valid.
 LevelZero finished(const par::Comm& comm, mesh::BlockMesh block) {
   const auto destination = block_destinations(comm, block);
@@ -188,6 +200,8 @@ LevelZero make_mesh(const par::Comm& comm, const MeshCase& mesh_case, const List
   par::agree(comm, [&] {
     if (comm.is_first()) require_insides(mesh_case, listener);
     domain = domain_of(mesh_case);
+    for (const auto& note : domain.notes)
+      if (comm.is_first()) listener.note(mesh_case.where + ": " + note);
     if (comm.is_first() && domain.thin.size > thin_factor * domain.thin.thickness)
       listener.warn(mesh_case.where +
                     ": edges are wanted that are longer than the body is thick, which takes long and "
@@ -203,6 +217,7 @@ LevelZero make_mesh(const par::Comm& comm, const MeshCase& mesh_case, const List
   auto result = finished(comm, std::move(block));
   result.body_volume = domain.volume;
   for (const auto& region : domain.regions) result.region_volumes.push_back(region.volume);
+  note_pieces(comm, mesh_case, result.mesh, listener);
   return result;
 }
 

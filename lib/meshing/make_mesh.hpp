@@ -17,7 +17,7 @@ struct Listener {
   static constexpr int n_steps = 3;
   std::function<void(int steps_done, const char* next_step)> progress = [](int, const char*) {};
   std::function<void(const std::string&)> warn = [](const std::string&) {};
-  std::function<void(const std::string&)> note = [](const std::string&) {};  ///< of what takes long
+  std::function<void(const std::string&)> note = [](const std::string&) {};  ///< of time, names, pieces
 };
 
 /// A mesh of level 0; its wall ears are opened.

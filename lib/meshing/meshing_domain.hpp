@@ -60,6 +60,7 @@ struct Domain {
   /// one plane, and every piece has such points then.
   bool points_first = false;
   std::vector<mesh::Patch> patches;
+  std::vector<std::string> notes;  ///< for the user: patches that could not have the names of their files
   geometry::SharedSurfaces surfaces = geometry::no_surfaces();  ///< that the patches lie on
   /// The thinnest place at which edges are wanted that are longer than the body is thick there; 0: none is known.
   struct Thin {

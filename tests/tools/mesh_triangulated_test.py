@@ -85,6 +85,22 @@ def test_named_solids_of_an_stl_file_are_patches_whose_borders_stay():
         assert ((border[:, 1:] == 0) | (border[:, 1:] == -.5)).any(axis=1).all() and len(border) >= 8, border
 
 
+def test_names_that_two_files_have_and_bodies_apart_are_noted():
+    surfaces = ""
+    for surface, x in (("a", 0), ("b", 3)):
+        sides = [quarters for axis in range(3) for value in (-.5, .5) for quarters in quarter_sides(axis, value)]
+        moved = [[tuple((p[0] + x, *p[1:]) for p in triangle) for triangle in quarter] for quarter in sides]
+        write_solids(f"{surface}.stl", [("top", sum(moved[-4:], [])), ("rest", sum(moved[:-4], []))])
+        surfaces += body_toml(f"{surface}.stl").replace('"body"', f'"{surface}"') + "\n"
+    told = run("pamr-mesh", case("two.toml", "-a | -b", [[-1] * 3, [4, 1, 1]], "far = 0.5", surfaces), "-o", "two.hdf").err
+    assert sorted(patches("two.hdf")[1]) == ["b_rest", "b_top", "rest", "top"]
+    for part in ("top", "rest"):
+        assert told.count(f'note: two.toml: surface "b": "{part}" of its file is the patch \'b_{part}\'') == 1, told
+    assert told.count("note: two.toml: the mesh is in 2 pieces that no face joins") == 1, told
+    told = run("pamr-mesh", case("one.toml", "-a", [[-1] * 3, [1] * 3], "far = 0.5", body_toml("a.stl").replace('"body"', '"a"')), "-o", "one.hdf").err
+    assert "note: one.toml" not in told, told
+
+
 def ball_of_two_solids(name, solids, n=12):
     """A ball of radius 1: the first solid is all above z = 0.5, which is a row of edges."""
     rows = [np.pi * k / 6 for k in range(1, 6)]

@@ -96,18 +96,6 @@ std::vector<GlobalId> first_cells_of_pieces(const par::Comm& comm, const mesh::D
   return first;
 }
 
-std::int64_t count_pieces(const par::Comm& comm, const mesh::DistMesh& mesh) {
-  Sets sets(mesh.n_cells());
-  for (LocalId c = 0; c < mesh.n_cells(); ++c)
-    for (const auto next : mesh.cell_to_cell[at(c)])
-      if (mesh.is_own(next) && next > c) sets.join(c, next);
-  const auto first = first_cells_of_pieces(comm, mesh, sets);
-  std::int64_t n = 0;
-  for (LocalId c = 0; c < mesh.n_cells(); ++c)
-    if (sets.first_of(c) == c && first[at(c)] == mesh.cell_global[at(c)]) ++n;
-  return comm.sum(n);
-}
-
 /// The nodes of boundary faces of this rank, ascending.
 std::vector<LocalId> boundary_nodes(const mesh::DistMesh& mesh, const std::vector<mesh::CellFace>& faces) {
   std::vector<std::uint8_t> is_boundary(at(mesh.n_nodes()), 0);
@@ -227,6 +215,18 @@ Findings find_overlaps(const par::Comm& comm, const mesh::DistMesh& mesh, const 
 std::string place(Vec3 p) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", p.x, p.y, p.z); }
 
 }  // namespace
+
+std::int64_t count_pieces(const par::Comm& comm, const mesh::DistMesh& mesh) {
+  Sets sets(mesh.n_cells());
+  for (LocalId c = 0; c < mesh.n_cells(); ++c)
+    for (const auto next : mesh.cell_to_cell[at(c)])
+      if (mesh.is_own(next) && next > c) sets.join(c, next);
+  const auto first = first_cells_of_pieces(comm, mesh, sets);
+  std::int64_t n = 0;
+  for (LocalId c = 0; c < mesh.n_cells(); ++c)
+    if (sets.first_of(c) == c && first[at(c)] == mesh.cell_global[at(c)]) ++n;
+  return comm.sum(n);
+}
 
 std::vector<GlobalId> nodes_by_place(const par::Comm& comm, const mesh::DistMesh& mesh) {
   return nodes_by_place(comm, mesh, faces_of_boundary(mesh));

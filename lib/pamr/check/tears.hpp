@@ -44,6 +44,10 @@ struct PairedFaces {
 };
 PairedFaces pair_faces(const par::Comm& comm, const mesh::DistMesh& mesh, const std::vector<GlobalId>& by_place);
 
+/// Parts of the mesh that no face joins. Collective: one exchange of border faces for each rank that a piece winds
+/// through. Cost: O(cells).
+std::int64_t count_pieces(const par::Comm& comm, const mesh::DistMesh& mesh);
+
 /// Looks for tears and overlaps. An overlap is found where the middle of a boundary face lies inside of it, by exact
 /// predicates. The same on any number of ranks. Collective: sparse exchanges of the boundary's nodes and faces, and
 /// one exchange of border faces for each rank that a piece winds through. Cost: O(cells), O(boundary log(cells)).
