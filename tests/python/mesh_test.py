@@ -165,7 +165,8 @@ def test_torn_arrays_and_files_are_told_in_the_same_words():
         mesh = pamr.Mesh.from_arrays(COMM, share(points, 3), share(cells, 4), repair=True)
         mesh.write("torn.vtu")
         pamr.Mesh.read(COMM, "torn.vtu")
-    texts = [str(w.message).removeprefix("file 'torn.vtu': ") for w in told if "turned over" not in str(w.message)]
+    texts = [str(w.message).removeprefix("file 'torn.vtu': ") for w in told
+             if "turned over" not in str(w.message) and "without tag" not in str(w.message)]  # arrays without a boundary have no tags
     assert len(texts) == (4 if COMM.rank == 0 else 0) and texts[:2] == texts[2:], texts
     assert not texts or "16 boundary faces lie on others, the first near (1, " in texts[0] and "in 2 pieces" in texts[1], texts
 
