@@ -17,9 +17,9 @@
 #include "solvers/dsmc/run/flow_report.hpp"
 #include "solvers/dsmc/run/flux_report.hpp"
 #include "solvers/dsmc/run/make_setup.hpp"
-#include "solvers/dsmc/run/particle_check.hpp"
 #include "solvers/dsmc/run/plan.hpp"
 #include "solvers/dsmc/run/require_feasible.hpp"
+#include "solvers/dsmc/run/resolution_check.hpp"
 #include "solvers/dsmc/run/stop_signals.hpp"
 
 namespace {
@@ -30,7 +30,7 @@ struct Options {
   std::string case_file, mesh, restart, carry, series;
   dsmc::OutputFiles out;
   dsmc::AdvanceOptions advance;
-  bool plan = false, force = false, keep_cells = false, check_resolution = false;
+  bool plan = false, force = false, keep_cells = false, check_resolution = false, check_cells = false;
 };
 
 void declare(cli::CommandLine& line, Options& o) {
@@ -43,9 +43,12 @@ void declare(cli::CommandLine& line, Options& o) {
   line.flag("--plan", o.plan, "print what is known before the first step, and exit");
   line.flag("--keep-cells", o.keep_cells,
             "leave every cell on its rank for the whole run; without it cells move when that saves time");
-  line.flag("--check-resolution", o.check_resolution,
-            "afterwards a second run with a quarter of the particles, for the error of the coefficients that too few "
-            "particles make");
+  auto check = line.flag("--check-resolution", o.check_resolution,
+                         "afterwards a second run with a quarter of the particles, for the error of the coefficients "
+                         "that too few particles make");
+  line.flag("--check-cells", o.check_cells,
+            "then another one with the cells at the walls split, for the error that coarse cells there make")
+      .needs(check);
   line.flag("--force", o.force, cli::force_help);
   line.group("Checkpoints",
              "pamr-dsmc case.toml --mesh level0.hdf -o flow.hdf --checkpoint run.hdf --every 1000\n"
@@ -186,22 +189,23 @@ dsmc::Advance advance(cli::Session& session, const Options& o, dsmc::Computation
   return dsmc::advance(computation, o.advance, observer);
 }
 
-/// The error that too few particles make: computed if asked for, else its expected size.
+/// The errors that too few particles and coarse cells make: computed if asked for, else what they depend on.
 void check_resolution(cli::Session& session, const Options& o, const dsmc::Computation& computation,
                       dsmc::Outcome& outcome) {
-  const double apart = outcome.resolution.wall_separation;
   if (!o.check_resolution) {
+    const double apart = outcome.resolution.wall_separation;
     if (computation.the_case().collisions.enabled && apart > 0)
       session.summary(
-          fmt::format("partners that collide at the walls are {:.2g} mean free paths apart (by heat): +- are of chance "
-                      "only, --check-resolution adds what too few particles do",
-                      apart));
+          fmt::format("partners that collide at the walls are {:.2g} mean free paths apart, in cells of {:.2g} (by "
+                      "heat): +- are of chance only, --check-resolution adds what too few particles do, with "
+                      "--check-cells what coarse cells do",
+                      apart, outcome.resolution.wall_cell_size));
     return;
   }
-  session.summary("the same with a quarter of the particles:");
   {
     std::unique_ptr<cli::Progress> progress;
-    outcome.check = dsmc::check_particles(computation, apart, observer_of(session, progress));
+    outcome.check =
+        dsmc::check_resolution(computation, outcome.resolution, o.check_cells, observer_of(session, progress));
   }
   for (const auto& line : describe(*outcome.check)) session.summary(line);
 }
@@ -212,7 +216,7 @@ cli::ExitCode run_case(cli::Session& session, const Options& o) {
   std::optional<dsmc::StopSignals> signals;
   if (!o.plan && !o.advance.checkpoint.empty()) signals.emplace();
   const auto c = dsmc::read_case(case_text, o.case_file);
-  if (o.check_resolution) dsmc::require_checkable(c);
+  if (o.check_resolution) dsmc::require_checkable(c, o.check_cells);
   std::optional<dsmc::CheckpointHead> from;
   if (const auto& file = o.restart.empty() ? o.carry : o.restart; !file.empty()) from = dsmc::head_of(comm, file);
   if (from && !from->mesh_file.empty()) session.keep(from->mesh_file);

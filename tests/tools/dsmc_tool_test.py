@@ -183,6 +183,37 @@ def test_the_resolution_is_checked_with_a_quarter_of_the_particles():
             says=["window.toml", "--check-resolution"], creates="x.hdf")
 
 
+def test_the_cells_at_the_walls_are_checked_too_with_the_same_numbers_on_any_ranks():
+    case, mesh = write("case.toml", CUBE), kuhn_cube("cube.hdf", 3)
+    check = ("--check-resolution", "--check-cells")
+    shown = compute(case, mesh, "a.hdf", *check, "--json", "-", ranks=1)
+    found, quality = shown.json["resolution"], shown.json["quality"]
+    # CUBE has walls at three sides with two triangles a square; along the edge of ymax and zmin three cells lie at both.
+    assert found["cells"]["split"] == 3 * 2 * 9 - 3, found["cells"]
+    assert found["cells"]["cells"] > 162 + 7 * found["cells"]["split"], found["cells"]
+    assert 0.9 < found["cells"]["particles"] / (4 * found["particles"]) < 1.1 and found["cells"]["steps"] == found["steps"], found
+    assert "with a quarter of the particles, " in shown.err and " of coarse cells and " in shown.err, shown.err
+    drag, viscous = found["C_D"], math.sqrt(16 / (45 * math.pi)) * quality["wall_cell_size"]
+    here, halved = math.hypot(1, viscous), math.hypot(1, viscous / 2)
+    factor = (here - 1) / (here - halved)
+    cells = drag["cells"]
+    assert 4 / 3 < factor < 2, quality
+    assert abs(cells["error"] - factor * max(abs(cells["difference"]), 2 * cells["difference_stderr"])) < 1e-9, (cells, factor)
+    assert abs(drag["bound"] - shown.json["C_D"]["ci95"] - drag["error"] - cells["error"] - drag["facets"]) < 1e-12, drag
+    assert f"C_D {shown.json['C_D']['value']:.4f} +- {drag['bound']:.4f} (" in shown.err, shown.err
+    if RANKS > 1:
+        others = compute(case, mesh, "b.hdf", *check, "--json", "-", "--quiet").json
+        assert others["resolution"] == found and others["quality"] == quality, (others["resolution"], found)
+
+    more = ("--mesh", mesh, "-o", "x.hdf")
+    refuses("pamr-dsmc", case, *more, "--check-cells", says=["--check-cells", "--check-resolution"], creates="x.hdf")
+    sides = {side: 'kind = "symmetry"' for side in ("ymin", "ymax", "zmin", "zmax")}
+    refuses("pamr-dsmc", write("open.toml", gas_in_a_cube(SPECIES, **sides)), *more, *check, says=["open.toml", "a wall"], creates="x.hdf")
+    sides["zmin"] = 'kind = "diffuse", temperature = 300.0'
+    sides |= {side: f'kind = "periodic", partner = "{other}"' for side, other in (("ymin", "ymax"), ("ymax", "ymin"))}
+    refuses("pamr-dsmc", write("loop.toml", gas_in_a_cube(SPECIES, **sides)), *more, *check, says=["loop.toml:", "periodic", "ymax"], creates="x.hdf")
+
+
 def test_restart_gives_the_same_bytes_as_a_run_without_interruption():
     case, mesh = write("case.toml", CUBE), kuhn_cube("cube.hdf", 4)
     compute(case, mesh, "a.hdf", "--checkpoint", "a.ck", "--history", "a.csv", "--surface", "a.vtu", "--quiet", ranks=1)
@@ -825,7 +856,8 @@ def test_coarse_time_steps_and_few_particles_are_warned_about():
     assert "denser than the free stream have fewer than 5 particles" in result.err, result.err
 
 
-run_tests(globals(), on_ranks=(test_restart_gives_the_same_bytes_as_a_run_without_interruption,
+run_tests(globals(), on_ranks=(test_the_cells_at_the_walls_are_checked_too_with_the_same_numbers_on_any_ranks,
+                               test_restart_gives_the_same_bytes_as_a_run_without_interruption,
                                test_inlets_and_outlets_are_shown_and_go_on_with_the_same_bytes,
                                test_vibration_is_shown_and_goes_on_with_the_same_bytes_and_is_carried,
                                test_a_signal_ends_the_run_with_a_checkpoint_to_go_on_from,

@@ -92,7 +92,10 @@ Transferred Computation::transfer_from(const std::string& checkpoint) {
 }
 
 Transferred Computation::transfer_from(Snapshot snapshot) {
-  const auto transferred = transfer_particles(*comm_, old_flow(snapshot, *flow_, case_.where), mesh_, *flow_);
+  const bool is_same = is_of_mesh(snapshot.header, key_);
+  const auto old = old_flow(snapshot, *flow_, case_.where);
+  const auto transferred =
+      is_same ? transfer_particles(*comm_, old, mesh_, *flow_) : transfer_particles(*comm_, old, {}, mesh_, *flow_);
   averaging_->begin_transferred(transferred.step);
   return transferred;
 }

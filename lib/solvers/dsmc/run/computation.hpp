@@ -48,7 +48,7 @@ class Computation {
   void restart(const std::string& checkpoint);
   /// With the flow of a checkpoint on the mesh that this one was refined from. Throws like `restart`.
   Transferred transfer_from(const std::string& checkpoint);
-  /// The same with a snapshot of a computation with the same species on this mesh.
+  /// The same with a snapshot of a computation with the same species, on this mesh or the one it was refined from.
   Transferred transfer_from(Snapshot snapshot);
 
   /// One time step, and what is due around it: before it, after a full window of the averages, a new window, for which

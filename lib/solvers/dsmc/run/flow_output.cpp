@@ -42,20 +42,23 @@ CellFlow averages_of(const Computation& computation) {
   return cells;
 }
 
-/// Separation of collision partners in the cells at the walls, weighted by the heat to the faces; 0 without heat.
-double wall_separation(const par::Comm& comm, const GasDomain& domain, const CellFlow& cells,
-                       const std::vector<FaceRow>& walls) {
-  std::array<par::ExactSum, 2> sums;
+/// Sets what is known of the cells at the walls, weighted by the heat to the faces; 0 without heat. Collective.
+void assess_walls(const par::Comm& comm, const GasDomain& domain, const CellFlow& cells,
+                  const std::vector<FaceRow>& walls, CellResolution& resolution) {
+  std::array<par::ExactSum, 3> sums;
   for (const auto& face : walls) {
     const auto found = std::lower_bound(domain.cell_global.begin(), domain.cell_global.end(), face.cell);
     const auto cell = static_cast<std::size_t>(found - domain.cell_global.begin());
     const bool collides = cells.separation[cell] > 0;  // in the steps that were averaged
     const double weight = collides ? std::fabs(face.heat) * face.area : 0;
     sums[0].add(weight * cells.separation[cell]);
-    sums[1].add(weight);
+    sums[1].add(weight / cells.knudsen[cell]);
+    sums[2].add(weight);
   }
   const auto total = par::reproducible_sums(comm, sums);
-  return total[1] > 0 ? total[0] / total[1] : 0;
+  if (!(total[2] > 0)) return;
+  resolution.wall_separation = total[0] / total[2];
+  resolution.wall_cell_size = total[1] / total[2];
 }
 
 }  // namespace
@@ -77,7 +80,7 @@ CellResolution write_output(Computation& computation, const OutputFiles& files, 
   auto cells = averages_of(computation);
   auto resolution = assess_resolution(comm, cells, c.stream.front().density, flow.cells.steps);
   const auto walls = walls_of(computation);
-  resolution.wall_separation = wall_separation(comm, flow.domain(), cells, walls);
+  assess_walls(comm, flow.domain(), cells, walls, resolution);
   auto fields = to_fields(std::move(cells), setup.gas);
   if (!files.lines.empty()) {
     const auto points =

@@ -9,8 +9,8 @@
 
 #include "solvers/dsmc/run/advance.hpp"
 #include "solvers/dsmc/run/computation.hpp"
-#include "solvers/dsmc/run/particle_check.hpp"
 #include "solvers/dsmc/run/plan.hpp"
+#include "solvers/dsmc/run/resolution_check.hpp"
 #include "solvers/dsmc/sampling/cell_resolution.hpp"
 
 namespace pamr::dsmc {
@@ -21,7 +21,7 @@ struct Outcome {
   Advance advance;
   CellResolution resolution;
   std::int64_t n_particles = 0;  ///< of all ranks
-  std::optional<ParticleCheck> check{};
+  std::optional<ResolutionCheck> check{};
 };
 
 /// The report under the keys of docs/tools/pamr-dsmc.md. Local; the same on every rank.

@@ -39,6 +39,7 @@ CellResolution assess_resolution(const par::Comm& comm, const CellFlow& flow, do
           static_cast<double>(count[6]),
           part(7, 6),
           0,
+          0,
           comm.max(max_temperature)};
 }
 
@@ -52,6 +53,7 @@ nlohmann::json to_json(const CellResolution& q) {
           {"cells_of_dense_gas", q.cells_of_dense_gas},
           {"dense_gas_below_5_particles", q.few_in_dense_gas},
           {"wall_separation", q.wall_separation},
+          {"wall_cell_size", q.wall_cell_size},
           {"max_temperature", q.max_temperature}};
 }
 
