@@ -21,9 +21,10 @@ if report_page.BROWSER is None:
 
 
 @once
-def report():
-    """The page of a cube, a field on cells and one on nodes, and of the same refined at a corner."""
-    folder = pathlib.Path(SHARED)
+def report(where="meshes"):
+    """In a folder of this name, the page of a cube, a field on cells and one on nodes, and of the same refined at a corner."""
+    folder = pathlib.Path(SHARED) / where
+    folder.mkdir()
     coarse, fine, page = (str(folder / name) for name in ("coarse.hdf", "fine.hdf", "report.html"))
     kuhn_cube(coarse, 5)
     with h5py.File(coarse, "r+") as file:
@@ -222,7 +223,7 @@ def test_scales_have_three_digits_and_a_power_of_ten():
 
 @of_full_level
 def test_tables_come_first_on_a_phone():
-    _, _, page = report()
+    _, _, page = report("a_folder_whose_name_is_wider_than_the_window_of_a_phone" * 2)
     top = "document.getElementById('{}').getBoundingClientRect().top"
     for width, is_first in ((390, True), (480, True), (800, False)):
         with OpenPage(page) as seen:
