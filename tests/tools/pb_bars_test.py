@@ -9,7 +9,7 @@ import h5py
 
 sys.path.append(str(pathlib.Path(__file__).resolve().parents[2] / "cases" / "charged-sphere"))
 import shell  # noqa: E402
-from pb_cases import MAGNESIUM, SALT, SEA, boundary, cell, cube, goals_of, integrate, pressure, solve, source, stated
+from pb_cases import MAGNESIUM, SALT, SEA, between, boundary, cell, cube, goals_of, integrate, pressure, solve, source, stated
 from tool_run import of_full_level, of_one_process, prepare_alone, run, run_tests
 
 prepare_alone("pamr-mesh")
@@ -97,17 +97,8 @@ def test_a_bar_on_a_coarse_mesh_says_so():
 
 def spheres(inner, outer, ions, radii=(1.0, 3.0)):
     """Spheres of these radii with these potentials: charge of the inner one, of the outer one, energy of an octant."""
-    low, high = radii
-    a, b = outer - inner, outer - inner + 0.1  # slopes at the outer sphere
-    miss = [integrate(ions, (high, outer), low, slope, 2)[0] - inner for slope in (a, b)]
-    for _ in range(30):
-        a, b = b, b - miss[1] * (b - a) / (miss[1] - miss[0]) if miss[1] != miss[0] else b
-        miss = [miss[1], integrate(ions, (high, outer), low, b, 2)[0] - inner]
-        if abs(miss[1]) < 1e-13:
-            break
-    assert abs(miss[1]) < 1e-9, miss
-    _, slope, energy = integrate(ions, (high, outer), low, b, 2)
-    return {"charge": -4 * math.pi * low ** 2 * slope, "of outer": 4 * math.pi * high ** 2 * b, "energy": -4 * math.pi * energy / 8}
+    exact = between(("potential", inner), ("potential", outer), ions, radii)
+    return exact | dict(zip(("charge", "of outer"), exact["charge"]))
 
 
 def shell_with_sheet(n, layers):

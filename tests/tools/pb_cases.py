@@ -5,6 +5,8 @@ import math
 import pathlib
 import re
 
+import numpy as np
+
 from tool_run import kuhn_cube, run
 
 
@@ -76,6 +78,109 @@ def integrate(ions, start, to, slope, dimension, n=1200):
     return psi, slope, energy
 
 
+PH = 6.0
+
+
+def wall(site, density, pk, **more):
+    """The condition of a wall with acid or basic sites of this density and pK."""
+    return {"kind": "regulated", "site": site, "value": density, "pK": pk, **more}
+
+
+def density_at(psi, site, density, pk, ph=PH, valence=1):
+    """Mass action: of acid sites the share without a proton, of basic ones that with it."""
+    protons = math.exp(-max(-300, min(300, psi)) / valence) * 10 ** -ph  # at the wall
+    without = 10 ** -pk / (10 ** -pk + protons)
+    return -density * without if site == "acid" else density * (1 - without)
+
+
+def root(function, low, high):
+    """Where it changes its sign."""
+    sign = math.copysign(1, function(high))
+    for _ in range(60):
+        middle = (low + high) / 2
+        low, high = (low, middle) if sign * function(middle) > 0 else (middle, high)
+    return (low + high) / 2
+
+
+def between(low, high, ions=SALT, radii=None):
+    """Plates at z = 0 and 1, or spheres of these radii, of which each has ("potential", value), ("charge", density) or sites.
+
+    The potentials and charges of both, the energy (of an octant), and the force on the lower plate.
+    """
+    dimension, (a, b) = (0, (0.0, 1.0)) if radii is None else (2, radii)
+
+    def density(psi, condition):
+        return condition[1] if condition[0] == "charge" else density_at(psi, *condition)
+
+    def shoot(x):  # from the wall at b, where x is the slope, or the potential
+        psi, slope = (high[1], x) if high[0] == "potential" else (x, density(x, high))
+        return psi, slope, integrate(ions, (b, psi), a, slope, dimension)
+
+    def miss(x):
+        psi, slope, _ = shoot(x)[2]
+        return psi - low[1] if low[0] == "potential" else slope + density(psi, low)
+
+    at_b, outer_slope, (at_a, slope, energy) = shoot(root(miss, -8, 8))
+    assert abs(miss(outer_slope if high[0] == "potential" else at_b)) < 1e-8, (low, high, at_a, slope)
+    area = (1, 1) if radii is None else (4 * math.pi * a * a, 4 * math.pi * b * b)
+    return {"potential": (at_a, at_b), "charge": (-area[0] * slope, area[1] * outer_slope),
+            "energy": -energy * (1 if radii is None else 4 * math.pi / 8), "force-z": slope ** 2 / 2 - pressure(ions, at_a)}
+
+
+def radial(kind, order, r):
+    """Modified spherical Bessel functions i_n (of `kind` "in"), which are finite at 0, or k_n ("out"), and their slopes."""
+    if kind == "out":
+        values = [np.exp(-r) / r, np.exp(-r) * (1 / r + 1 / r ** 2)]
+        for n in range(1, order + 1):
+            values.append(values[-2] + (2 * n + 1) / r * values[-1])
+        slopes = [-values[1]] + [-values[n - 1] - (n + 1) / r * values[n] for n in range(1, order + 1)]
+        return values[order], slopes[order]
+
+    def series(n):
+        term = r ** n / float(math.prod(range(1, 2 * n + 2, 2)))
+        total = term
+        for k in range(1, 60):
+            term = term * (r * r / 2) / (k * (2 * n + 2 * k + 1))
+            total = total + term
+        return total
+
+    return series(order), series(order + 1) + order / r * series(order)
+
+
+def balls_in_a_shell(balls, shell, n_orders=32):
+    """Balls (x, radius, charge density) on the axis, in a ball about 0 of radius `shell` at the potential 0; linear equation.
+
+    The charge of the outer wall and the energy, by multipoles about each center that meet the conditions at points of the walls.
+    """
+    centers = [(x, radius, "out") for x, radius, _ in balls] + [(0.0, shell, "in")]
+    columns = [(x, radius, kind, n) for x, radius, kind in centers for n in range(n_orders)]
+    cosines, weights = np.polynomial.legendre.leggauss(80)
+
+    def on(x, radius):  # potentials, and slopes away from the center, of all columns at points of this wall
+        points = np.stack([x + radius * cosines, radius * np.sqrt(1 - cosines ** 2)])
+        normal = np.stack([cosines, np.sqrt(1 - cosines ** 2)])
+        values, slopes = [], []
+        for center, of_radius, kind, n in columns:
+            away = points - np.array([[center], [0.0]])
+            r = np.hypot(*away)
+            c = away[0] / r
+            legendre = np.polynomial.legendre.Legendre.basis(n)
+            f, df = (part / radial(kind, n, np.array([of_radius]))[0] for part in radial(kind, n, r))
+            along = np.stack([1 - c * c, -c * away[1] / r]) / r  # gradient of c
+            values.append(f * legendre(c))
+            slopes.append((df * legendre(c) * (away / r) * normal).sum(axis=0) + f * legendre.deriv()(c) * (along * normal).sum(axis=0))
+        return np.array(values).T, np.array(slopes).T
+
+    walls = [(on(x, radius), radius, density) for x, radius, density in balls] + [(on(0.0, shell), shell, None)]
+    left = np.concatenate([values if density is None else -slopes for (values, slopes), _, density in walls])
+    right = np.concatenate([np.full(len(cosines), density or 0.0) for *_, density in walls])
+    found = np.linalg.lstsq(left, right, rcond=None)[0]
+    assert np.abs(left @ found - right).max() < 1e-9, np.abs(left @ found - right).max()
+    area = [2 * math.pi * radius ** 2 for _, radius, _ in walls]
+    energy = sum(a * weights @ (values @ found) * density for ((values, _), _, density), a in zip(walls[:-1], area)) / 2
+    return {"charge": area[-1] * weights @ (walls[-1][0][1] @ found), "energy": energy}
+
+
 CELL = """
 [mesh]
 shape = "charged-sphere"
@@ -93,4 +198,20 @@ outer = {far}
 def cell(name, sphere, far):
     pathlib.Path("mesh.toml").write_text(CELL.format(sphere=sphere, far=far))
     run("pamr-mesh", "mesh.toml", "-o", name, "--quiet")
+    return name
+
+
+def quarter_of_balls(name, balls, shell, sizes):
+    """A mesh of what is between balls (x, radius, density) and the shell, at y > 0 and z > 0; patches ball_1, ..., outer."""
+    names = [f"ball_{i}" for i in range(1, len(balls) + 1)]
+    spheres = [*zip(names, balls), ("outer", (0.0, shell, None))]
+    text = ('[mesh]\nshape = "surfaces"\nlength_unit = "1"\nregion = "-outer & '
+            + "".join(f"+{ball} & " for ball in names) + f'+y & +z"\nbounds = [[-{shell * 1.1}, 0, 0], [{shell * 1.1}, {shell * 1.1}, {shell * 1.1}]]\n'
+            + f"[mesh.sizes]\nfar = {sizes[1]}\nnear = {{ " + ", ".join(f"{ball} = {sizes[0]}" for ball in names) + " }\n")
+    text += "".join(f'[[surface]]\nname = "{ball}"\nkind = "sphere"\ncenter = [{x}, 0, 0]\nradius = {radius}\n'
+                    for ball, (x, radius, _) in spheres)
+    text += "".join(f'[[surface]]\nname = "{axis}"\nkind = "plane"\npoint = [0, 0, 0]\nnormal = {normal}\n'
+                    for axis, normal in (("y", [0, 1, 0]), ("z", [0, 0, 1])))
+    pathlib.Path("mesh.toml").write_text(text)
+    run("pamr-mesh", "mesh.toml", "-o", name, "--force", "--quiet")
     return name

@@ -7,23 +7,11 @@ import shutil
 
 import h5py
 
-from pb_cases import SALT, boundary, cell, cube, goals_of, integrate, solve
+from pb_cases import PH, between, boundary, cell, cube, density_at, goals_of, root, solve, wall
 from tool_run import RANKS, of_full_level, of_one_process, prepare_alone, refuses, run, run_tests
 
 prepare_alone("pamr-mesh")
-PH = 6.0
 ACID, BASE = ("acid", 4.0, 5.0), ("base", 2.0, 7.0)  # site, density, pK
-
-
-def wall(site, density, pk, **more):
-    return {"kind": "regulated", "site": site, "value": density, "pK": pk, **more}
-
-
-def density_at(psi, site, density, pk, ph=PH, valence=1):
-    """Mass action: of acid sites the share without a proton, of basic ones that with it."""
-    protons = math.exp(-max(-300, min(300, psi)) / valence) * 10 ** -ph  # at the wall
-    without = 10 ** -pk / (10 ** -pk + protons)
-    return -density * without if site == "acid" else density * (1 - without)
 
 
 def head(order, goals=("charge", "energy", "force-z"), patch="zmin"):
@@ -31,29 +19,10 @@ def head(order, goals=("charge", "energy", "force-z"), patch="zmin"):
             f'goal_patch = "{patch}"\n')
 
 
-def root(function, low, high):
-    """Where it changes its sign."""
-    sign = math.copysign(1, function(high))
-    for _ in range(100):
-        middle = (low + high) / 2
-        low, high = (low, middle) if sign * function(middle) > 0 else (middle, high)
-    return (low + high) / 2
-
-
-def plates(low, high, gap=1.0):
-    """Flat walls of sites at z = 0 and `gap`: what holds at both, by shooting."""
-    def shoot(psi):
-        return integrate(SALT, (1.0, psi), 1 + gap, -density_at(psi, *low), 0, n=400)
-
-    def miss(psi):
-        end = shoot(psi)
-        return end[1] - density_at(end[0], *high)
-
-    psi = root(miss, -4, 4)
-    charge = density_at(psi, *low)
-    end = shoot(psi)[0]
-    return {"zmin": psi, "zmax": end, "charge": charge, "energy": shoot(psi)[2],
-            "force-z": charge ** 2 / 2 - (math.cosh(psi) - 1), "charge at zmax": density_at(end, *high)}
+def plates(low, high):
+    """Flat walls of sites at z = 0 and 1: what holds at both."""
+    exact = between(low, high)
+    return exact | dict(zip(("zmin", "zmax"), exact["potential"])) | dict(zip(("charge", "charge at zmax"), exact["charge"]))
 
 
 def require_bars(report, exact, order, where):
@@ -165,22 +134,8 @@ def test_the_force_is_minus_the_derivative_of_the_free_energy_with_its_sites():
 
 def spheres(inner, outer):
     """A sphere of radius 1 with sites in one of radius 3 at a potential, or with sites: charges, energy of an octant."""
-    def slope_at(x):
-        return (outer, x) if not isinstance(outer, tuple) else (x, density_at(x, *outer))
-
-    def shoot(x):
-        psi, slope = slope_at(x)
-        return integrate(SALT, (3.0, psi), 1.0, slope, 2)
-
-    def miss(x):
-        psi, slope, _ = shoot(x)
-        return slope + density_at(psi, *inner)
-
-    x = root(miss, -1.5, 2.5)
-    psi, slope, energy = shoot(x)
-    assert abs(slope + density_at(psi, *inner)) < 1e-9
-    return {"charge": -4 * math.pi * slope, "energy": -4 * math.pi * energy / 8, "psi": psi,
-            "charge of outer": 36 * math.pi * slope_at(x)[1]}
+    exact = between(inner, outer if isinstance(outer, tuple) else ("potential", outer), radii=(1.0, 3.0))
+    return exact | dict(zip(("charge", "charge of outer"), exact["charge"]))
 
 
 @of_one_process
