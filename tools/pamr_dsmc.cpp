@@ -204,9 +204,11 @@ void check_resolution(cli::Session& session, const Options& o, const dsmc::Compu
   }
   {
     std::unique_ptr<cli::Progress> progress;
-    outcome.check =
-        dsmc::check_resolution(computation, outcome.resolution, o.check_cells, observer_of(session, progress));
+    auto observer = observer_of(session, progress);
+    observer.wants_stop = dsmc::StopSignals::have_come;
+    outcome.check = dsmc::check_resolution(computation, outcome.resolution, o.check_cells, observer);
   }
+  if (!outcome.check) return session.summary("interrupted in --check-resolution: the run itself is complete");
   for (const auto& line : describe(*outcome.check)) session.summary(line);
 }
 
@@ -270,7 +272,8 @@ cli::ExitCode run_case(cli::Session& session, const Options& o) {
   session.write_report(report_of(*computation, outcome));
   show_fluxes(session, *computation);
   session.summary(fmt::format("{} -> {}", summary_of(*computation, outcome), o.out.mesh));
-  if (dsmc::is_finite(computation->averaging().results())) return cli::ExitCode::done;
+  if (dsmc::is_finite(computation->averaging().results()))
+    return o.check_resolution && !outcome.check ? cli::ExitCode::interrupted : cli::ExitCode::done;
   session.warn("expected coefficients that are numbers, found one that is not finite");
   return cli::ExitCode::failed;
 }

@@ -90,6 +90,26 @@ def couette_cases():
         check("19", f"Couette flow at Kn 0.01, 1000 m/s, {name}: wall shear over that of the flow equations with slip", 1.0, value, error, bar=0.02)
 
 
+SLOW_SHEAR = 0.0  # by forced_channel.py couette
+
+
+def slow_couette():
+    """Shear between walls that move slowly against each other, a gas of hard spheres, over p U / sqrt(2 k T / m)."""
+    spheres, t, cells = {**ARGON, "omega": 0.5}, 273.0, 20
+    c = cases.fast(t, spheres["mass"])
+    n = cases.viscosity(spheres, t) * c / (BOLTZMANN * t)  # delta = 1 on a height of 1
+    u, found = 0.2 * c, []
+    for seed in range(1, runs.SEEDS + 1):
+        k = compute("slow-couette", {**gas(Ar=spheres), "stream.free": dict(density=n, temperature=t), **cases.between_walls(t, [-u / 2, u / 2]),
+                                     "particles": dict(per_cell=400.0), "time": dict(step=0.05 / c), "run": dict(transient=400, sampling=20000),
+                                     "reference": dict(area=1 / cells**2, pitch_axis=[0.0, 0.0, 1.0])}, box("slow.hdf", cells, 1, 1, 0, 1), seed)
+        filled = k["particles"] / (6 * cells * 400.0)
+        unit = n * BOLTZMANN * t * u / c * filled
+        found += [(value / unit, error / unit) for value, error in cases.wall_loads(k)[0]]
+    value, error = runs.together(found)
+    check("19", "Couette flow of hard spheres at delta = 1, walls of 0.2 sqrt(2 k T / m): shear", SLOW_SHEAR, value, error, most=0.003 * value)
+
+
 def jumping_mesh():
     """Kuhn's cube with a corner refined three times: sizes jump by eight."""
     level = cube(3)

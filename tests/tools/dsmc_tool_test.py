@@ -205,6 +205,11 @@ def test_the_cells_at_the_walls_are_checked_too_with_the_same_numbers_on_any_ran
         others = compute(case, mesh, "b.hdf", *check, "--json", "-", "--quiet").json
         assert others["resolution"] == found and others["quality"] == quality, (others["resolution"], found)
 
+    # Walls that no heat reaches count by their area.
+    sides = {side: 'kind = "specular"' for side in ("ymin", "ymax", "zmin", "zmax")}
+    mirrors = compute(write("mirrors.toml", gas_in_a_cube(SPECIES, **sides)), mesh, "m.hdf", "--json", "-", "--quiet").json["quality"]
+    assert mirrors["wall_separation"] > 0 and mirrors["wall_cell_size"] > 0, mirrors
+
     more = ("--mesh", mesh, "-o", "x.hdf")
     refuses("pamr-dsmc", case, *more, "--check-cells", says=["--check-cells", "--check-resolution"], creates="x.hdf")
     sides = {side: 'kind = "symmetry"' for side in ("ymin", "ymax", "zmin", "zmax")}

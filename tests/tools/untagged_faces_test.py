@@ -192,4 +192,13 @@ def test_a_solid_of_their_name_does_not_take_them():
     assert sorted(ties) == ["boundary", "floor"], ties
 
 
+def test_the_last_kind_of_a_patch_counts():
+    run("pamr-convert", gmsh_file("part.msh"), "part.hdf", "--quiet")
+    kinds = ("side=untagged", "side=patch", "boundary=untagged")  # the first alone would take the number of side
+    run("pamr-convert", "part.hdf", "same.hdf", "--quiet", *(word for kind in kinds for word in ("--kind", kind)))
+    with h5py.File("part.hdf") as before, h5py.File("same.hdf") as after:
+        numbers = before["PAMR/patches/numbers"][:].tolist()
+        assert numbers == after["PAMR/patches/numbers"][:].tolist() and max(numbers) > 0, numbers
+
+
 run_tests(globals(), on_ranks=(test_the_same_on_any_number_of_ranks_and_after_coarsening,))

@@ -95,17 +95,20 @@ void scale_mesh(const par::Comm& comm, mesh::DistMesh& mesh, double factor, bool
 }
 
 void set_kinds(const std::vector<std::string>& pairs, mesh::DistMesh& mesh) {
+  auto& patches = mesh.info.patches;
+  std::vector<std::string> chosen(patches.size());  // the last pair counts, and only what it takes away is lost
   for (const auto& pair : pairs) {
     const auto equals = pair.rfind('=');
     const auto name = pair.substr(0, equals), kind = equals == std::string::npos ? "" : pair.substr(equals + 1);
     if (std::find(kinds.begin(), kinds.end(), kind) == kinds.end())
       throw Error(fmt::format("--kind: expected PATCH=KIND with a kind of {}, found '{}'", listed(kinds), pair));
-    auto& patches = mesh.info.patches;
-    for (const int p : mesh::require_patches(patches, name, "--kind")) {
-      auto& patch = patches[at(p)];
-      patch.kind = kind == "patch" ? "" : kind;
-      if (mesh::is_untagged(patch)) patch = {.name = patch.name, .kind = patch.kind, .surface = patch.surface};
-    }
+    for (const int p : mesh::require_patches(patches, name, "--kind")) chosen[at(p)] = kind;
+  }
+  for (std::size_t p = 0; p < patches.size(); ++p) {
+    if (chosen[p].empty()) continue;
+    auto& patch = patches[p];
+    patch.kind = chosen[p] == "patch" ? "" : chosen[p];
+    if (mesh::is_untagged(patch)) patch = {.name = patch.name, .kind = patch.kind, .surface = patch.surface};
   }
 }
 

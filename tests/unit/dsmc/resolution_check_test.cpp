@@ -169,10 +169,10 @@ TEST(ResolutionCheck, GoesOnFromTheGasThatThereIsWithTheSameBitsOnAnyRanks) {
   resolution.wall_separation = 0.3;
   resolution.wall_cell_size = 2;
 
-  const auto check = check_resolution(*one, resolution, true, {});
+  const auto check = check_resolution(*one, resolution, true, {}).value();
 
   EXPECT_EQ(one->snapshot().header, before);
-  EXPECT_EQ(to_json(check), to_json(check_resolution(*twin, resolution, true, {})));
+  EXPECT_EQ(to_json(check), to_json(check_resolution(*twin, resolution, true, {}).value()));
   const auto n = static_cast<double>(one->flow().n_particles());
   EXPECT_NEAR(4.0 * static_cast<double>(check.n_particles) / n, 1, 0.2);
   // A passage, as of a flow that was carried, or the transient of the case; then as many steps as were averaged.
@@ -198,7 +198,10 @@ TEST(ResolutionCheck, GoesOnFromTheGasThatThereIsWithTheSameBitsOnAnyRanks) {
   EXPECT_EQ(drag.split->size, 2);
   EXPECT_NE(drag.split->value.value, drag.all.value);
 
-  const auto without = check_resolution(*twin, resolution, false, {});
+  const auto without = check_resolution(*twin, resolution, false, {}).value();
+  Observer stopped;
+  stopped.wants_stop = [] { return true; };
+  EXPECT_FALSE(check_resolution(*twin, resolution, true, stopped));
   EXPECT_FALSE(without.split || without.coefficients[0].split);
   EXPECT_EQ(describe(without).size(), 4U);
   EXPECT_EQ(without.coefficients[0].error(), drag.error());

@@ -42,23 +42,28 @@ CellFlow averages_of(const Computation& computation) {
   return cells;
 }
 
-/// Sets what is known of the cells at the walls, weighted by the heat to the faces; 0 without heat. Collective.
+/// Sets what is known of the cells at the walls where molecules collide, weighted by the heat to the faces, or by their
+/// area where no wall is heated. Collective.
 void assess_walls(const par::Comm& comm, const GasDomain& domain, const CellFlow& cells,
                   const std::vector<FaceRow>& walls, CellResolution& resolution) {
-  std::array<par::ExactSum, 3> sums;
+  std::array<par::ExactSum, 6> sums;  // by heat, and by area
   for (const auto& face : walls) {
     const auto found = std::lower_bound(domain.cell_global.begin(), domain.cell_global.end(), face.cell);
     const auto cell = static_cast<std::size_t>(found - domain.cell_global.begin());
-    const bool collides = cells.separation[cell] > 0;  // in the steps that were averaged
-    const double weight = collides ? std::fabs(face.heat) * face.area : 0;
-    sums[0].add(weight * cells.separation[cell]);
-    sums[1].add(weight / cells.knudsen[cell]);
-    sums[2].add(weight);
+    if (!(cells.separation[cell] > 0)) continue;  // in the steps that were averaged
+    std::size_t first = 0;
+    for (const double weight : {std::fabs(face.heat) * face.area, face.area}) {
+      sums[first].add(weight * cells.separation[cell]);
+      sums[first + 1].add(weight / cells.knudsen[cell]);
+      sums[first + 2].add(weight);
+      first += 3;
+    }
   }
   const auto total = par::reproducible_sums(comm, sums);
-  if (!(total[2] > 0)) return;
-  resolution.wall_separation = total[0] / total[2];
-  resolution.wall_cell_size = total[1] / total[2];
+  const std::size_t first = total[2] > 0 ? 0 : 3;
+  if (!(total[first + 2] > 0)) return;
+  resolution.wall_separation = total[first] / total[first + 2];
+  resolution.wall_cell_size = total[first + 1] / total[first + 2];
 }
 
 }  // namespace

@@ -18,7 +18,8 @@ namespace pamr::dsmc {
 
 namespace {
 
-/// A run under another setup or on a finer mesh, from the gas of a computation until it has as many averaged steps.
+/// A run under another setup or on a finer mesh, from the gas of a computation until it has as many averaged steps; none
+/// if the observer asked for the end.
 std::unique_ptr<Computation> go_on(const Computation& computation, Setup setup, mesh::DistMesh mesh,
                                    const Observer& observer) {
   auto c = computation.the_case();
@@ -29,7 +30,7 @@ std::unique_ptr<Computation> go_on(const Computation& computation, Setup setup, 
   auto run = std::make_unique<Computation>(computation.comm(), c, std::move(setup), std::move(mesh));
   run->transfer_from(computation.snapshot());
   run->keep_cells();
-  advance(*run, {}, observer);
+  if (advance(*run, {}, observer).was_stopped) return nullptr;
   run->finish();
   return run;
 }
@@ -74,13 +75,15 @@ constexpr std::array<CoefficientRow, 4> coefficient_rows{
      {"C_m", &Results::OfPatch::moment, &Coefficients::moment, true},
      {"C_H", &Results::OfPatch::heat, &Coefficients::heat, false}}};
 
-/// The run with a quarter of the particles. Collective.
-ResolutionCheck check_particles(const Computation& computation, double separation, const Observer& observer) {
+/// The run with a quarter of the particles; none if it was stopped. Collective.
+std::optional<ResolutionCheck> check_particles(const Computation& computation, double separation,
+                                               const Observer& observer) {
   const auto all = computation.averaging().results();
   auto setup = computation.flow().setup();
   setup.fnum *= fewer_particles;
   observer.report("the same with a quarter of the particles:");
   const auto second = go_on(computation, std::move(setup), computation.mesh(), observer);
+  if (!second) return {};
   const auto fewer = second->averaging().results();
   ResolutionCheck check{{}, second->flow().n_particles(), steps_of(*second)};
   const auto& c = computation.the_case();
@@ -94,14 +97,15 @@ ResolutionCheck check_particles(const Computation& computation, double separatio
   return check;
 }
 
-/// The run with cells at the walls split; adds what comes of it to the check. Collective.
-void check_cells(const Computation& computation, double size, const Observer& observer, ResolutionCheck& check) {
+/// The run with cells at the walls split; adds what comes of it to the check. False if it was stopped. Collective.
+bool check_cells(const Computation& computation, double size, const Observer& observer, ResolutionCheck& check) {
   auto walls = split_walls(computation.comm(), computation.mesh(), computation.flow());
   auto setup = computation.flow().setup();
   setup.cell_dt = std::move(walls.cell_dt);
   SplitRun run{walls.n_split, walls.mesh.info.n_global_cells};
   observer.report(fmt::format("the same with {} cells, the {} at walls split:", run.n_cells, run.n_split));
   const auto second = go_on(computation, std::move(setup), std::move(walls.mesh), observer);
+  if (!second) return false;
   run.n_particles = second->flow().n_particles();
   run.n_steps = steps_of(*second);
   run.particles_per_piece = particles_per_cell(second->flow(), walls.comes_from_wall);
@@ -115,6 +119,7 @@ void check_cells(const Computation& computation, double size, const Observer& ob
       if (one.name == row.name)
         one.split = {results.body.*row.estimate, student_95(results.groups.n_groups), size, run.distance};
   check.split = run;
+  return true;
 }
 
 }  // namespace
@@ -135,14 +140,14 @@ void require_checkable(const Case& c, bool cells) {
     throw Error(fmt::format("{}: expected a wall in [boundary] beside --check-cells, found none", c.where));
 }
 
-ResolutionCheck check_resolution(const Computation& computation, const CellResolution& resolution, bool cells,
-                                 const Observer& observer) {
+std::optional<ResolutionCheck> check_resolution(const Computation& computation, const CellResolution& resolution,
+                                                bool cells, const Observer& observer) {
   require_checkable(computation.the_case(), cells);
   if (computation.averaging().results().groups.n_groups < 2)
     throw Error(
         "--check-resolution: expected two blocks of averages at least, found fewer: use more sampling in [run]");
   auto check = check_particles(computation, resolution.wall_separation, observer);
-  if (cells) check_cells(computation, resolution.wall_cell_size, observer, check);
+  if (check && cells && !check_cells(computation, resolution.wall_cell_size, observer, *check)) check.reset();
   return check;
 }
 

@@ -33,10 +33,10 @@ struct ResolutionCheck {
 /// Goes on from the gas of a computation that has ended with a quarter of the particles, on the same mesh, until it has
 /// as many averaged steps, after the transient of the case and a passage. With `cells` once more: with all particles,
 /// on the mesh whose cells at the walls are split (`split_walls`). The computation stays as it is.
-/// `resolution`: of its cells. Collective.
+/// `resolution`: of its cells. None if the observer of some rank asked for the end. Collective.
 /// Throws `Error` for a computation without averages or that `require_checkable` refuses.
-ResolutionCheck check_resolution(const Computation& computation, const CellResolution& resolution, bool cells,
-                                 const Observer& observer);
+std::optional<ResolutionCheck> check_resolution(const Computation& computation, const CellResolution& resolution,
+                                                bool cells, const Observer& observer);
 
 /// Throws `Error` for a case that cannot be checked, with `cells` or without. Local.
 void require_checkable(const Case& the_case, bool cells);
