@@ -90,7 +90,7 @@ def couette_cases():
         check("19", f"Couette flow at Kn 0.01, 1000 m/s, {name}: wall shear over that of the flow equations with slip", 1.0, value, error, bar=0.02)
 
 
-SLOW_SHEAR = 0.0  # by forced_channel.py couette
+SLOW_SHEAR = 0.341  # by forced_channel.py couette, within 0.0014
 
 
 def slow_couette():
@@ -107,7 +107,7 @@ def slow_couette():
         unit = n * BOLTZMANN * t * u / c * filled
         found += [(value / unit, error / unit) for value, error in cases.wall_loads(k)[0]]
     value, error = runs.together(found)
-    check("19", "Couette flow of hard spheres at delta = 1, walls of 0.2 sqrt(2 k T / m): shear", SLOW_SHEAR, value, error, most=0.003 * value)
+    check("19", "Couette flow of hard spheres at delta = 1, walls of 0.2 sqrt(2 k T / m): shear", SLOW_SHEAR, value, error, bar=0.0034, most=0.003 * value)
 
 
 def jumping_mesh():
