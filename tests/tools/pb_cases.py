@@ -116,12 +116,11 @@ def between(low, high, ions=SALT, radii=None):
         psi, slope = (high[1], x) if high[0] == "potential" else (x, density(x, high))
         return psi, slope, integrate(ions, (b, psi), a, slope, dimension)
 
-    def miss(x):
-        psi, slope, _ = shoot(x)[2]
+    def miss(psi, slope):
         return psi - low[1] if low[0] == "potential" else slope + density(psi, low)
 
-    at_b, outer_slope, (at_a, slope, energy) = shoot(root(miss, -8, 8))
-    assert abs(miss(outer_slope if high[0] == "potential" else at_b)) < 1e-8, (low, high, at_a, slope)
+    at_b, outer_slope, (at_a, slope, energy) = shoot(root(lambda x: miss(*shoot(x)[2][:2]), -8, 8))
+    assert abs(miss(at_a, slope)) < 1e-8, (low, high, at_a, slope)
     area = (1, 1) if radii is None else (4 * math.pi * a * a, 4 * math.pi * b * b)
     return {"potential": (at_a, at_b), "charge": (-area[0] * slope, area[1] * outer_slope),
             "energy": -energy * (1 if radii is None else 4 * math.pi / 8), "force-z": slope ** 2 / 2 - pressure(ions, at_a)}

@@ -96,9 +96,9 @@ std::string list_endings(const Format& format, std::string_view before_last);
 ElementMesh read_mesh(const par::Comm& comm, const std::filesystem::path& file, const MeshReadOptions& options = {});
 
 /// Writes a mesh. `options.remark` gets a sentence for fields, regions, conditions, names, kinds, groups and patches of
-/// inner faces that the format has no place for, `options.note` one for levels, surfaces and the unit of lengths, and one
-/// for boundary faces without a tag that the format wants in a patch. The bytes do not depend on the number of ranks. Collective; throws the same `Error` on every rank, and leaves nothing behind
-/// then.
+/// inner faces that the format has no place for, `options.note` one for levels, surfaces and the unit of lengths, and
+/// one for boundary faces without a tag that the format wants in a patch. The bytes do not depend on the number of
+/// ranks. Collective; throws the same `Error` on every rank, and leaves nothing behind then.
 void write_mesh(const par::Comm& comm, const std::filesystem::path& file, const mesh::DistMesh& mesh,
                 const MeshWriteOptions& options = {});
 

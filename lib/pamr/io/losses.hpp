@@ -16,8 +16,8 @@ namespace pamr::io {
 std::vector<std::string> texts_of_losses(const par::Comm& comm, const Format& format, const mesh::DistMesh& mesh,
                                          const MeshWriteOptions& options);
 
-/// One sentence for boundary faces without a tag where the format has none: they are in a patch like others; empty where
-/// there are none. Collective.
+/// One sentence for boundary faces without a tag where the format has none: they are in a patch like others; empty
+/// where there are none. Collective.
 std::string text_of_named_faces(const par::Comm& comm, const Format& format, const mesh::DistMesh& mesh);
 
 /// One sentence for levels, surfaces, numbers of patches and the unit of lengths; empty where there are none, and for

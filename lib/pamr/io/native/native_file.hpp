@@ -44,8 +44,8 @@ struct ReadOptions {
 /// HDF5 1.10 itself may die of a damaged file all the same (docs/file-format.md, *Damaged files*).
 /// The geometry is not looked at (`validate::validate` does), nor are neighbors matched (`assemble::assemble` does).
 ///
-/// All functions but `info`, `is_of_pamr` and `has_integers` are collective; so are the constructor and the destructor. They throw
-/// the same `Error` on every rank.
+/// All functions but `info`, `is_of_pamr` and `has_integers` are collective; so are the constructor and the destructor.
+/// They throw the same `Error` on every rank.
 class NativeFile {
  public:
   NativeFile(const par::Comm& comm, std::filesystem::path file, const ReadOptions& options = {});

@@ -18,8 +18,8 @@ namespace pamr::dsmc {
 
 namespace {
 
-/// A run under another setup or on a finer mesh, from the gas of a computation until it has as many averaged steps; none
-/// if the observer asked for the end.
+/// A run under another setup or on a finer mesh, from the gas of a computation until it has as many averaged steps;
+/// none if the observer asked for the end.
 std::unique_ptr<Computation> go_on(const Computation& computation, Setup setup, mesh::DistMesh mesh,
                                    const Observer& observer) {
   auto c = computation.the_case();
