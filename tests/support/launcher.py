@@ -3,6 +3,14 @@
 import re
 import subprocess
 
+# mpirun complains of a socket that it has just closed, when ranks end together, and of a limit on the size of files
+_CHATTER = re.compile(r"^(\[warn\] Epoll|.*Forwarding signal).*\n?", re.MULTILINE)
+
+
+def without_chatter(err):
+    """The standard error of a job without the lines of the launcher itself, which come now and then."""
+    return _CHATTER.sub("", err)
+
 
 def is_of_open_mpi_5(launcher):
     """Whether a command, given up to its option for the number of ranks, is mpirun of Open MPI 5 or newer, which is PRRTE.

@@ -11,7 +11,7 @@ import numpy as np
 
 import tool_run
 from lineage_words import Lineage
-from tool_run import BIN, FULL, LAUNCHER, LIMIT, RANKS, bare_copy, kuhn_cube, once, refuses, run, run_tests, same_bytes
+from tool_run import BIN, FULL, LAUNCHER, LIMIT, RANKS, bare_copy, kuhn_cube, once, refuses, run, run_tests, same_bytes, without_chatter
 
 tool_run.REFUSED_BY_ALL = 1 if FULL else 4  # that all ranks end, and one speaks, is what this is about
 
@@ -299,8 +299,7 @@ def refine_onto_full_disk(output, limit_kib=None):
 
 
 def check_full_disk(done, folder, survivors):
-    # Open MPI's own process, which a run without mpirun has, speaks of the limit too
-    lines = [line for line in done.stderr.splitlines() if "Forwarding signal" not in line]
+    lines = without_chatter(done.stderr).splitlines()
     assert done.returncode == 2, (done.returncode, done.stderr)
     assert len(lines) == 1 and lines[0].startswith("pamr-refine: error: ") and "out.hdf" in lines[0], done.stderr
     assert sorted(os.listdir(folder)) == survivors, os.listdir(folder)

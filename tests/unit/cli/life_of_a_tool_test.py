@@ -29,8 +29,14 @@ def command(ranks, arguments):
     return ([] if ranks == 1 else MPIEXEC + [str(ranks)]) + [PROBE] + arguments
 
 
+def finished(job):
+    done = subprocess.run(job, capture_output=True, text=True, timeout=300)
+    done.stderr = launcher.without_chatter(done.stderr)
+    return done
+
+
 def run(ranks, *arguments):
-    return subprocess.run(command(ranks, list(arguments)), capture_output=True, text=True, timeout=300)
+    return finished(command(ranks, list(arguments)))
 
 
 class LifeOfATool(unittest.TestCase):
@@ -205,7 +211,7 @@ class LifeOfATool(unittest.TestCase):
             return f"cd {shlex.quote(where)} && exec {shlex.join([PROBE] + arguments)}"
         script = 'if [ "${OMPI_COMM_WORLD_RANK:-$PMI_RANK}" = 0 ]; then %s; else %s; fi' % (
             begin(self.folder, first), begin(folder or self.folder, second))
-        return subprocess.run(MPIEXEC + ["2", "sh", "-c", script], capture_output=True, text=True, timeout=300)
+        return finished(MPIEXEC + ["2", "sh", "-c", script])
 
     def test_ranks_have_to_begin_alike(self):
         os.mkdir(self.path("other"))

@@ -5,16 +5,20 @@
 Usage: end_of_a_program_test.py PROGRAM MPIEXEC...
 """
 import concurrent.futures
+import pathlib
 import subprocess
 import sys
+
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[2] / "support"))
+import launcher  # noqa: E402
 
 PROGRAM, MPIEXEC = sys.argv[1], sys.argv[2:]
 
 
 def run(ranks, how):
-    launcher = [] if ranks == 1 else MPIEXEC + [str(ranks)]
-    done = subprocess.run(launcher + [PROGRAM, how], capture_output=True, text=True, timeout=120)
-    return done.returncode, [line for line in done.stderr.splitlines() if not line.startswith("[warn] Epoll")]
+    start = [] if ranks == 1 else MPIEXEC + [str(ranks)]
+    done = subprocess.run(start + [PROGRAM, how], capture_output=True, text=True, timeout=120)
+    return done.returncode, launcher.without_chatter(done.stderr).splitlines()
 
 
 def check(ranks, how, code, *lines):
