@@ -1,32 +1,29 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Flow between two diffuse walls, driven by a force or by the walls, by particles without a mesh or this project's code: how far
-variable hard spheres are from the equation of Bhatnagar, Gross and Krook (BGK) at the same viscosity.
+"""Flow between two diffuse walls, driven by a force, by particles without a mesh or this project's code: how far variable hard
+spheres are from the equation of Bhatnagar, Gross and Krook (BGK) at the same viscosity.
 
 Usage: forced_channel.py [DELTA [STEPS]]
-       forced_channel.py couette [DELTA [STEPS]]
 
 Heights, v = sqrt(2 k T / m) and masses are 1. A small force a does to a channel without ends what a pressure gradient does, so
 that the reduced flow rate is G = mean velocity / a (for BGK that of ducts.flow_of_bgk). At delta = 0.1 also the flow between an
-inlet and an outlet that are 20 heights apart. Walls that move at +- U / 2 have the shear p U / v times what `couette` prints: 0.5642
-without collisions, 0.3389 for BGK at delta = 1. +- is 95 % of 20 parts."""
+inlet and an outlet that are 20 heights apart. +- is 95 % of 20 parts."""
 import math
 import sys
 
 import numpy as np
 
-FORCE, SPEED, CELLS, PARTICLES = 0.05, 0.2, 20, 50000
+FORCE, CELLS, PARTICLES = 0.05, 20, 50000
 
 
-def leaving(draw, wall, speed=0.0):
-    """Velocities of molecules that leave walls at 0 and 1, which move at -+ speed / 2."""
+def leaving(draw, wall):
+    """Velocities of molecules that leave walls at 0 and 1."""
     c = draw.normal(size=(len(wall), 3)) / math.sqrt(2)
     c[:, 1] = np.where(wall == 0, 1, -1) * np.sqrt(-np.log(1 - draw.random(len(wall))))
-    c[:, 0] += speed * (wall - 0.5)
     return c
 
 
-def fly(draw, x, y, c, left, length=math.inf, speed=0.0):
+def fly(draw, x, y, c, left, length=math.inf):
     """Straight flights from wall to wall, for the time `left` of each. Yields who stays between the ends."""
     stays, moving = np.ones(len(y), dtype=bool), np.arange(len(y))
     while len(moving):
@@ -39,7 +36,7 @@ def fly(draw, x, y, c, left, length=math.inf, speed=0.0):
         on = (left[moving] > 0) & stays[moving]
         moving, wall = moving[on], wall[on]
         y[moving] = wall
-        c[moving] = leaving(draw, wall, speed)
+        c[moving] = leaving(draw, wall)
     return stays
 
 
@@ -85,15 +82,14 @@ def mean_of(parts):
     return groups.mean(), 2.09 * groups.std(ddof=1) / math.sqrt(20)
 
 
-def flow(delta, omega=None, steps=3000, dt=0.1, seed=1, speed=None):
-    """G of a channel without ends; omega: of variable hard spheres; none: BGK. `speed`: instead the shear between walls that move."""
+def flow(delta, omega=None, steps=3000, dt=0.1, seed=1):
+    """G of a channel without ends; omega: of variable hard spheres; none: BGK."""
     draw = np.random.default_rng(seed)
     x, y, c = np.zeros(PARTICLES), draw.random(PARTICLES), draw.normal(size=(PARTICLES, 3)) / math.sqrt(2)
     parts, done, transient = [], 1.0, steps // 5
     for step in range(steps + transient):
-        c[:, 0] += FORCE * dt if speed is None else 0.0
-        fly(draw, x, y, c, np.full(PARTICLES, dt), speed=speed or 0.0)
-        before = (c[:, 0] * c[:, 1]).mean()
+        c[:, 0] += FORCE * dt
+        fly(draw, x, y, c, np.full(PARTICLES, dt))
         cell = np.minimum((y * CELLS).astype(np.int64), CELLS - 1)
         if omega is None:
             relax(draw, cell, CELLS, c, 1 - math.exp(-delta * dt))
@@ -101,8 +97,7 @@ def flow(delta, omega=None, steps=3000, dt=0.1, seed=1, speed=None):
             wanted = pair_rate(delta, omega) * dt * CELLS / PARTICLES / done
             done += 0.1 * (collide(draw, cell, CELLS, c, wanted, 2 - 2 * omega) - done)
         if step >= transient:
-            # a step of collisions takes some of the shear away, which half a step would take
-            parts.append(c[:, 0].mean() / FORCE if speed is None else -((c[:, 0] * c[:, 1]).mean() + before) / speed)
+            parts.append(c[:, 0].mean() / FORCE)
     return mean_of(parts)
 
 
@@ -154,15 +149,7 @@ def open_channel(delta, omega, drift, warmth, steps, dt=0.1, seed=1, length=20.0
     return mean_of(flows), mean_of(falls)
 
 
-def couette(delta, steps):
-    for name, omega in (("BGK", None), ("hard spheres", 0.5)):
-        shear, bound = flow(delta, omega, steps, speed=SPEED)
-        print(f"delta = {delta:g}, walls of {SPEED:g} against each other, {name}: shear {shear:.4f} +- {bound:.4f}", flush=True)
-
-
 def main():
-    if sys.argv[1:2] == ["couette"]:
-        return couette(float(sys.argv[2]) if len(sys.argv) > 2 else 1.0, int(sys.argv[3]) if len(sys.argv) > 3 else 20000)
     delta = float(sys.argv[1]) if len(sys.argv) > 1 else 0.1
     steps = int(sys.argv[2]) if len(sys.argv) > 2 else 3000
     models = (("BGK", None), ("variable hard spheres, omega = .81", 0.81), ("hard spheres", 0.5))
