@@ -242,7 +242,11 @@ cli::ExitCode run_case(cli::Session& session, const Options& o) {
   }
   std::optional<dsmc::Computation> computation;
   const auto lines = describe(c, setup, outcome.plan);
-  if (!o.plan) begin(session, o, computation.emplace(comm, c, std::move(setup), std::move(mesh)));
+  if (!o.plan) {
+    computation.emplace(comm, c, std::move(setup), std::move(mesh));
+    if (o.check_cells) dsmc::require_walls(*computation);
+    begin(session, o, *computation);
+  }
   for (const auto& line : lines) session.summary(line);
   if (computation) note_if_finished(session, o, *computation);
   for (const auto& warning : warnings_of(outcome.plan)) session.warn(warning);

@@ -205,15 +205,25 @@ def test_the_cells_at_the_walls_are_checked_too_with_the_same_numbers_on_any_ran
         others = compute(case, mesh, "b.hdf", *check, "--json", "-", "--quiet").json
         assert others["resolution"] == found and others["quality"] == quality, (others["resolution"], found)
 
-    # Walls that no heat reaches count by their area.
+    # Walls that no heat reaches count by their area, and no others than those of the body.
     sides = {side: 'kind = "specular"' for side in ("ymin", "ymax", "zmin", "zmax")}
-    mirrors = compute(write("mirrors.toml", gas_in_a_cube(SPECIES, **sides)), mesh, "m.hdf", "--json", "-", "--quiet").json["quality"]
-    assert mirrors["wall_separation"] > 0 and mirrors["wall_cell_size"] > 0, mirrors
+    floor = '[reference]\npatches = ["ymin"]\narea = 1.0\n'
+    mirrors = compute(write("mirrors.toml", gas_in_a_cube(SPECIES, end=floor, **sides)), mesh, "m.hdf", "--json", "-", "--quiet").json["quality"]
+    assert mirrors["wall_separation"] > 0, mirrors
+    with h5py.File("m.hdf") as file:
+        grid = file["VTKHDF"]
+        corners = grid["Points"][:][grid["Connectivity"][:].reshape(-1, 4)]
+        at_floor = np.count_nonzero(corners[:, :, 1] == 0, axis=1) == 3
+        size = np.mean(np.cbrt(1 / 162) / grid["CellData/lambda"][:][at_floor])
+    assert np.count_nonzero(at_floor) == 18 and abs(mirrors["wall_cell_size"] / size - 1) < 1e-6, (mirrors, size)
 
     more = ("--mesh", mesh, "-o", "x.hdf")
     refuses("pamr-dsmc", case, *more, "--check-cells", says=["--check-cells", "--check-resolution"], creates="x.hdf")
     sides = {side: 'kind = "symmetry"' for side in ("ymin", "ymax", "zmin", "zmax")}
-    refuses("pamr-dsmc", write("open.toml", gas_in_a_cube(SPECIES, **sides)), *more, *check, says=["open.toml", "a wall"], creates="x.hdf")
+    refuses("pamr-dsmc", write("open.toml", gas_in_a_cube(SPECIES, **sides)), *more, *check, says=["open.toml", "on a wall"], creates="x.hdf")
+    refuses("pamr-dsmc", write("thin.toml", CUBE + "[collisions]\nenabled = false\n"), *more, *check, says=["thin.toml", "collisions"], creates="x.hdf")
+    refuses("pamr-dsmc", write("long.toml", CUBE.replace("block = 4\n", "block = 11\n")), *more, check[0],
+            says=["long.toml", "sampling = 20 and block = 11"], creates="x.hdf")
     sides["zmin"] = 'kind = "diffuse", temperature = 300.0'
     sides |= {side: f'kind = "periodic", partner = "{other}"' for side, other in (("ymin", "ymax"), ("ymax", "ymin"))}
     refuses("pamr-dsmc", write("loop.toml", gas_in_a_cube(SPECIES, **sides)), *more, *check, says=["loop.toml:", "periodic", "ymax"], creates="x.hdf")

@@ -34,7 +34,7 @@ TEST(CheckedCoefficient, HasTheErrorOfAValueThatIsAsTheRootOfAViscosityThatGrows
       for (const double far : {1e-3, 0.5, 2.0, 100.0}) {
         const auto separation = [&](double particles) { return far * std::pow(particles / n, -1.0 / 3); };
         const auto error = [&](double particles) { return off * (std::hypot(1, separation(particles)) - 1); };
-        const CheckedCoefficient one{"C_D", {1 + error(n), 0}, {1 + error(n / 4), 0}, 1, 1, separation(n)};
+        const CheckedCoefficient one{"C_D", {1 + error(n), 0}, 1, 0, {{{1 + error(n / 4), 0}, 1, separation(n)}}};
         EXPECT_NEAR(one.error(), std::fabs(error(n)), 1e-12 * std::fabs(off) / (far * far) + 1e-12 * far)
             << off << ", " << n;
         EXPECT_NEAR(one.bound(), one.error(), 1e-15);
@@ -56,7 +56,7 @@ TEST(CheckedCoefficient, PartsTheErrorOfCellsFromThatOfPartnersWhoAreFartherApar
               const double viscous = std::sqrt(16 / (45 * std::acos(-1))) * h;
               return Estimate{1.3 + of_particles * law(s) + of_cells * law(viscous), 0};
             };
-            CheckedCoefficient one{"C_D", value(apart, size), value(std::cbrt(4) * apart, size), 1, 1, apart};
+            CheckedCoefficient one{"C_D", value(apart, size), 1, 0, {{value(std::cbrt(4) * apart, size), 1, apart}}};
             one.split = {value(distance * apart, size / 2), 1, size, distance};
             EXPECT_NEAR(one.error_of_cells(), std::fabs(one.all.value - value(apart, 0).value), 1e-12);
             EXPECT_NEAR(one.error(), std::fabs(one.all.value - value(0, size).value), 1e-12);
@@ -65,7 +65,7 @@ TEST(CheckedCoefficient, PartsTheErrorOfCellsFromThatOfPartnersWhoAreFartherApar
 }
 
 TEST(CheckedCoefficient, HidesNoErrorOfCellsBelowTheNoiseOfAllRuns) {
-  CheckedCoefficient one{"C_D", {1.3, 0.003}, {1.3, 0.005}, 2.2, 2.1, 1e-9};
+  CheckedCoefficient one{"C_D", {1.3, 0.003}, 2.2, 0, {{{1.3, 0.005}, 2.1, 1e-9}}};
   one.split = {{1.301, 0.004}, 2.2, 0, 1};
   EXPECT_NEAR(one.difference_of_cells().error, 0.005, 1e-15);
   EXPECT_NEAR(one.error_of_cells(), 4.0 / 3 * 2 * 0.005, 1e-12);
@@ -128,18 +128,24 @@ TEST(SplitWalls, MakesEightOfEveryCellWithAFaceOnAWallAndKeepsItsTimeStep) {
   EXPECT_EQ(n_pieces, 8 * n_split);
 }
 
+/// The case without its walls, with this line in [boundary].
+std::string stream_past_mirrors(const std::string& line) {
+  std::string text = test::stream_case;
+  text.insert(text.find("[initial]"), line);
+  for (const char* temperature : {"400.0", "500.0"}) {
+    const auto wall = std::string("kind = \"diffuse\", temperature = ") + temperature;
+    text.replace(text.find(wall), wall.size(), "kind = \"symmetry\"");
+  }
+  return text;
+}
+
 TEST(SplitWalls, TakesBothSidesOfAWallInside) {
   const par::Comm comm(MPI_COMM_WORLD);
   auto mesh = assemble::assemble(comm, test::kuhn_cube(comm, 4));
   test::add_inner_patch(mesh, "plate", [](geometry::Vec3 normal, geometry::Vec3 center) {
     return normal.y == 0 && normal.z == 0 && center.x == 0.5;
   });
-  std::string text = test::stream_case;
-  text.insert(text.find("[initial]"), "plate = { kind = \"specular\", front = [1.0, 0.0, 0.0] }\n");
-  for (const char* temperature : {"400.0", "500.0"}) {
-    const auto wall = std::string("kind = \"diffuse\", temperature = ") + temperature;
-    text.replace(text.find(wall), wall.size(), "kind = \"symmetry\"");
-  }
+  const auto text = stream_past_mirrors("plate = { kind = \"specular\", front = [1.0, 0.0, 0.0] }\n");
   const auto run = test::filled(comm, read_case(text, "case.toml"), std::move(mesh));
 
   const auto split = split_walls(comm, run->mesh(), run->flow());
@@ -148,11 +154,11 @@ TEST(SplitWalls, TakesBothSidesOfAWallInside) {
 }
 
 TEST(CheckedCoefficient, DoesNotTakeADifferenceBelowItsNoiseForNone) {
-  const CheckedCoefficient hidden{"C_D", {1.3, 0.003}, {1.301, 0.004}, 2.2, 2.1};
+  const CheckedCoefficient hidden{"C_D", {1.3, 0.003}, 2.2, 0, {{{1.301, 0.004}, 2.1, 0}}};
   EXPECT_NEAR(hidden.difference().error, 0.005, 1e-15);
   EXPECT_NEAR(hidden.error(), 2 * 0.005 * 0.657963, 1e-8);
   EXPECT_NEAR(hidden.bound(), 2.2 * 0.003 + 2 * 0.005 * 0.657963, 1e-8);
-  const CheckedCoefficient seen{"C_D", {1.3, 0.003}, {1.36, 0.004}, 2.2, 2.1};
+  const CheckedCoefficient seen{"C_D", {1.3, 0.003}, 2.2, 0, {{{1.36, 0.004}, 2.1, 0}}};
   EXPECT_NEAR(seen.error(), 0.06 * 0.657963, 1e-7);
 }
 
@@ -174,22 +180,22 @@ TEST(ResolutionCheck, GoesOnFromTheGasThatThereIsWithTheSameBitsOnAnyRanks) {
   EXPECT_EQ(one->snapshot().header, before);
   EXPECT_EQ(to_json(check), to_json(check_resolution(*twin, resolution, true, {}).value()));
   const auto n = static_cast<double>(one->flow().n_particles());
-  EXPECT_NEAR(4.0 * static_cast<double>(check.n_particles) / n, 1, 0.2);
+  EXPECT_NEAR(4.0 * static_cast<double>(check.fewer->n_particles) / n, 1, 0.2);
   // A passage, as of a flow that was carried, or the transient of the case; then as many steps as were averaged.
-  EXPECT_EQ(check.n_steps,
+  EXPECT_EQ(check.fewer->n_steps,
             60 + std::max<std::uint64_t>(30, static_cast<std::uint64_t>(one->averaging().passage_steps())));
   ASSERT_EQ(check.coefficients.size(), 4U);
   const auto& drag = check.coefficients[0];
   EXPECT_EQ(drag.all.value, one->averaging().results().body.drag.value);
   EXPECT_NE(drag.difference().value, 0);
-  EXPECT_GT(drag.fewer.error, drag.all.error);
+  EXPECT_GT(drag.fewer->value.error, drag.all.error);
   EXPECT_EQ(describe(check).size(), 5U);
 
   ASSERT_TRUE(check.split && drag.split);
   EXPECT_EQ(check.split->n_split, 2 * 2 * 9 - 3);  // of two sides with an edge in common, along which 3 cells have both
   EXPECT_GT(check.split->n_cells, 162 + 7 * check.split->n_split);
   EXPECT_NEAR(static_cast<double>(check.split->n_particles) / n, 1, 0.2);
-  EXPECT_EQ(check.split->n_steps, check.n_steps);
+  EXPECT_EQ(check.split->n_steps, check.fewer->n_steps);
   EXPECT_GT(check.split->particles_per_piece, 0.2);
   EXPECT_LT(check.split->particles_per_piece, 5);
   EXPECT_GT(check.split->distance, 0.3);
@@ -213,19 +219,49 @@ TEST(ResolutionCheck, IsRefusedWithoutAveragesAndForFlowsThatChange) {
   auto c = read_case(test::stream_case, "case.toml");
   const auto mesh = assemble::assemble(comm, test::kuhn_cube(comm, 2));
   EXPECT_THROW(check_resolution(*test::filled(comm, c, mesh), {}, false, {}), Error);
-  c.schedule.window = 20;
-  EXPECT_THROW(require_checkable(c, false), Error);
+  auto changing = c, short_one = c, without_blocks = c;
+  changing.schedule.window = 20;
+  EXPECT_THROW(require_checkable(changing, false), Error);
+  short_one.schedule.block = short_one.schedule.sampling / 2;
+  require_checkable(short_one, false);
+  ++short_one.schedule.block;
+  EXPECT_THROW(require_checkable(short_one, false), Error);
+  without_blocks.schedule.block = 0;
+  without_blocks.schedule.sampling = 1;
+  EXPECT_THROW(require_checkable(without_blocks, false), Error);
 }
 
-TEST(ResolutionCheck, SplitsNoCellsWithoutWallsOrAtPeriodicPatches) {
+TEST(ResolutionCheck, AddsNothingOfParticlesAndCellsWhereMoleculesDoNotCollide) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  auto c = read_case(test::stream_case, "case.toml");
+  c.collisions.enabled = false;
+  auto run = test::filled(comm, c, assemble::assemble(comm, test::kuhn_cube(comm, 3)));
+  while (!run->is_complete()) run->step();
+
+  const auto check = check_resolution(*run, {}, false, {}).value();
+
+  EXPECT_FALSE(check.fewer);
+  ASSERT_EQ(check.coefficients.size(), 4U);
+  for (const auto& one : check.coefficients) EXPECT_EQ(one.bound(), one.student * one.all.error);
+  EXPECT_EQ(describe(check)[0].find("C_D, molecules without collisions: "), 0U);
+  EXPECT_THROW(require_checkable(c, true), Error);
+}
+
+TEST(ResolutionCheck, NeedsFacesOnAWallToSplitTheirCells) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  auto mesh = assemble::assemble(comm, test::kuhn_cube(comm, 2));
+  mesh.info.patches.emplace_back().name = "nowhere";
+  const auto c = read_case(stream_past_mirrors("nowhere = { kind = \"specular\" }\n"), "case.toml");
+  EXPECT_THROW(require_walls(*test::filled(comm, c, mesh)), Error);
+  require_walls(*test::filled(comm, read_case(test::stream_case, "case.toml"),
+                              assemble::assemble(comm, test::kuhn_cube(comm, 2))));
+}
+
+TEST(ResolutionCheck, SplitsNoCellsAtPeriodicPatches) {
   auto c = read_case(test::stream_case, "case.toml");
   require_checkable(c, true);
   c.partner["xmin"] = "xmax";
   c.partner["xmax"] = "xmin";
-  EXPECT_THROW(require_checkable(c, true), Error);
-  require_checkable(c, false);
-  c.partner.clear();
-  for (auto& [name, condition] : c.boundary) condition.kind = BoundaryCondition::Kind::inflow;
   EXPECT_THROW(require_checkable(c, true), Error);
   require_checkable(c, false);
 }

@@ -41,18 +41,19 @@ double error_of_cells_per_difference(double size) {
 }
 
 Estimate CheckedCoefficient::difference() const {
-  return {fewer.value - all.value, std::hypot(all.error, fewer.error)};
+  return {fewer->value.value - all.value, std::hypot(all.error, fewer->value.error)};
 }
 
 double CheckedCoefficient::error() const {
-  return error_of_particles_per_difference(separation) * seen_or_hidden(difference());
+  return fewer ? error_of_particles_per_difference(fewer->separation) * seen_or_hidden(difference()) : 0;
 }
 
 Estimate CheckedCoefficient::difference_of_cells() const {
   // Of the difference to a quarter of the particles: what partners at another distance change.
-  const double part = error_of_particles_per_difference(separation) * (growth(separation, split->distance) - 1);
-  return {split->value.value - all.value - part * (fewer.value - all.value),
-          std::hypot(split->value.error, (1 - part) * all.error, part * fewer.error)};
+  const double apart = fewer->separation;
+  const double part = error_of_particles_per_difference(apart) * (growth(apart, split->distance) - 1);
+  return {split->value.value - all.value - part * difference().value,
+          std::hypot(split->value.error, (1 - part) * all.error, part * fewer->value.error)};
 }
 
 double CheckedCoefficient::error_of_cells() const {
@@ -60,13 +61,12 @@ double CheckedCoefficient::error_of_cells() const {
 }
 
 nlohmann::json to_json(const CheckedCoefficient& one) {
-  nlohmann::json shown{{"value", one.fewer.value},
-                       {"ci95", one.student_fewer * one.fewer.error},
-                       {"difference", one.difference().value},
-                       {"difference_stderr", one.difference().error},
-                       {"error", one.error()},
-                       {"facets", one.facets},
-                       {"bound", one.bound()}};
+  nlohmann::json shown{{"error", one.error()}, {"facets", one.facets}, {"bound", one.bound()}};
+  if (one.fewer)
+    shown.update({{"value", one.fewer->value.value},
+                  {"ci95", one.fewer->student * one.fewer->value.error},
+                  {"difference", one.difference().value},
+                  {"difference_stderr", one.difference().error}});
   if (one.split)
     shown["cells"] = {{"value", one.split->value.value},
                       {"ci95", one.split->student * one.split->value.error},
@@ -80,15 +80,16 @@ std::string describe(const CheckedCoefficient& one) {
   const auto with_bounds = [](const Estimate& e, double student) {
     return fmt::format("{:.4f} +- {:.4f}", e.value, student * e.error);
   };
+  const double chance = one.student * one.all.error;
+  const auto sum =
+      fmt::format("and {:.4f} of flat facets make {:.4f} +- {:.4f}", one.facets, one.all.value, one.bound());
+  if (!one.fewer) return fmt::format("{}, molecules without collisions: {:.4f} of chance {}", one.name, chance, sum);
   const auto& split = one.split;
-  return fmt::format(
-      "{} {} with a quarter of the particles{}: {:.4f} of chance, {:.4f} of too few particles{} and "
-      "{:.4f} of flat facets make {:.4f} +- {:.4f}",
-      one.name, with_bounds(one.fewer, one.student_fewer),
-      split ? fmt::format(", {} with finer cells", with_bounds(split->value, split->student)) : "",
-      one.student_all * one.all.error, one.error(),
-      split ? fmt::format(", {:.4f} of coarse cells", one.error_of_cells()) : "", one.facets, one.all.value,
-      one.bound());
+  return fmt::format("{} {} with a quarter of the particles{}: {:.4f} of chance, {:.4f} of too few particles{} {}",
+                     one.name, with_bounds(one.fewer->value, one.fewer->student),
+                     split ? fmt::format(", {} with finer cells", with_bounds(split->value, split->student)) : "",
+                     chance, one.error(), split ? fmt::format(", {:.4f} of coarse cells", one.error_of_cells()) : "",
+                     sum);
 }
 
 }  // namespace pamr::dsmc

@@ -26,6 +26,13 @@ double error_of_particles_per_difference(double separation);
 /// 16 / (45 pi) size^2 (the same source, for partners anywhere in the cell). From 4/3 for fine cells to 2 for coarse.
 double error_of_cells_per_difference(double size);
 
+/// A coefficient with a quarter of the particles.
+struct FewerCoefficient {
+  Estimate value;
+  double student = 1;     ///< factor from the standard error to the bound of 95 %
+  double separation = 0;  ///< of partners at the walls, with all particles, over the mean free path
+};
+
 /// A coefficient where cells at the walls are split.
 struct SplitCoefficient {
   Estimate value;
@@ -37,23 +44,24 @@ struct SplitCoefficient {
 /// A coefficient of the body with all particles, with a quarter of them and, if asked for, with finer cells.
 struct CheckedCoefficient {
   std::string name;
-  Estimate all, fewer;
-  double student_all = 1, student_fewer = 1;  ///< factors from standard errors to bounds of 95 %
-  double separation = 0;                      ///< of partners at the walls, with all particles, over the mean free path
-  double facets = 0;                          ///< `error_of_facets`
+  Estimate all;
+  double student = 1;                       ///< factor from the standard error to the bound of 95 %
+  double facets = 0;                        ///< `error_of_facets`
+  std::optional<FewerCoefficient> fewer{};  ///< none where molecules do not collide, so that their number adds nothing
   std::optional<SplitCoefficient> split{};
 
-  Estimate difference() const;  ///< of `fewer`, with its standard error
+  Estimate difference() const;  ///< of `fewer`, with its standard error. Pre: `fewer`.
   /// Estimate of the error that comes from the number of particles, at least what the noise of the difference hides:
-  /// the difference, or twice its standard error if that is more, times `error_of_particles_per_difference`.
+  /// the difference, or twice its standard error if that is more, times `error_of_particles_per_difference`; 0 without
+  /// `fewer`.
   double error() const;
   /// Of `split`, without what comes from partners that are farther apart there, because fewer particles share a cell:
-  /// by the law of particles a part of `difference`. So particles do not count twice. Pre: `split`.
+  /// by the law of particles a part of `difference`. So particles do not count twice. Pre: `fewer` and `split`.
   Estimate difference_of_cells() const;
   /// Estimate of the error that comes from the size of the cells at the walls, as `error`; 0 without `split`.
   double error_of_cells() const;
   /// Of chance, of the number of particles, of cells and of flat faces together.
-  double bound() const { return student_all * all.error + error() + error_of_cells() + facets; }
+  double bound() const { return student * all.error + error() + error_of_cells() + facets; }
 };
 
 nlohmann::json to_json(const CheckedCoefficient& checked);

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "pamr/base/index.hpp"
 #include "pamr/io/native/native_file.hpp"
 #include "pamr/mesh/require_field.hpp"
 #include "pamr/par/reproducible_sum.hpp"
@@ -42,12 +43,17 @@ CellFlow averages_of(const Computation& computation) {
   return cells;
 }
 
-/// Sets what is known of the cells at the walls where molecules collide, weighted by the heat to the faces, or by their
-/// area where no wall is heated. Collective.
-void assess_walls(const par::Comm& comm, const GasDomain& domain, const CellFlow& cells,
-                  const std::vector<FaceRow>& walls, CellResolution& resolution) {
+/// Sets what is known of the cells at the walls of the body where molecules collide, weighted by the heat to the faces,
+/// or by their area where none is heated. Collective.
+void assess_walls(const Computation& computation, const CellFlow& cells, const std::vector<FaceRow>& walls,
+                  CellResolution& resolution) {
+  const auto& domain = computation.flow().domain();
+  const auto& setup = computation.flow().setup();
+  const auto body =
+      reference_patches(computation.the_case().reference, setup.patches_on(computation.mesh()), setup.patch);
   std::array<par::ExactSum, 6> sums;  // by heat, and by area
   for (const auto& face : walls) {
+    if (!body[at(face.patch)]) continue;
     const auto found = std::lower_bound(domain.cell_global.begin(), domain.cell_global.end(), face.cell);
     const auto cell = static_cast<std::size_t>(found - domain.cell_global.begin());
     if (!(cells.separation[cell] > 0)) continue;  // in the steps that were averaged
@@ -59,7 +65,7 @@ void assess_walls(const par::Comm& comm, const GasDomain& domain, const CellFlow
       first += 3;
     }
   }
-  const auto total = par::reproducible_sums(comm, sums);
+  const auto total = par::reproducible_sums(computation.comm(), sums);
   const std::size_t first = total[2] > 0 ? 0 : 3;
   if (!(total[first + 2] > 0)) return;
   resolution.wall_separation = total[first] / total[first + 2];
@@ -85,7 +91,7 @@ CellResolution write_output(Computation& computation, const OutputFiles& files, 
   auto cells = averages_of(computation);
   auto resolution = assess_resolution(comm, cells, c.stream.front().density, flow.cells.steps);
   const auto walls = walls_of(computation);
-  assess_walls(comm, flow.domain(), cells, walls, resolution);
+  assess_walls(computation, cells, walls, resolution);
   auto fields = to_fields(std::move(cells), setup.gas);
   if (!files.lines.empty()) {
     const auto points =

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "pamr/base/error.hpp"
+#include "pamr/base/index.hpp"
 #include "pamr/par/reproducible_sum.hpp"
 #include "solvers/dsmc/run/body_laws.hpp"
 #include "solvers/dsmc/run/split_walls.hpp"
@@ -75,26 +76,40 @@ constexpr std::array<CoefficientRow, 4> coefficient_rows{
      {"C_m", &Results::OfPatch::moment, &Coefficients::moment, true},
      {"C_H", &Results::OfPatch::heat, &Coefficients::heat, false}}};
 
-/// The run with a quarter of the particles; none if it was stopped. Collective.
-std::optional<ResolutionCheck> check_particles(const Computation& computation, double separation,
-                                               const Observer& observer) {
+/// The coefficients with what flat faces add. Collective.
+ResolutionCheck check_facets(const Computation& computation) {
+  const auto& c = computation.the_case();
+  const auto& flow = computation.flow();
   const auto all = computation.averaging().results();
+  const auto facets = error_of_facets(computation.comm(), c, flow.setup(), computation.mesh(), flow.domain().boundary);
+  ResolutionCheck check;
+  for (const auto& row : coefficient_rows)
+    if (!row.is_of_lift || c.reference.gives_lift())
+      check.coefficients.push_back(
+          {row.name, all.body.*row.estimate, student_95(all.groups.n_groups), facets.*row.facets});
+  return check;
+}
+
+/// What another run gives for a coefficient.
+const Estimate& estimate_of(const Results& results, const std::string& name) {
+  const auto row = std::find_if(coefficient_rows.begin(), coefficient_rows.end(),
+                                [&](const CoefficientRow& one) { return one.name == name; });
+  return results.body.*row->estimate;
+}
+
+/// The run with a quarter of the particles; adds what comes of it to the check. False if it was stopped. Collective.
+bool check_particles(const Computation& computation, double separation, const Observer& observer,
+                     ResolutionCheck& check) {
   auto setup = computation.flow().setup();
   setup.fnum *= fewer_particles;
   observer.report("the same with a quarter of the particles:");
   const auto second = go_on(computation, std::move(setup), computation.mesh(), observer);
-  if (!second) return {};
-  const auto fewer = second->averaging().results();
-  ResolutionCheck check{{}, second->flow().n_particles(), steps_of(*second)};
-  const auto& c = computation.the_case();
-  const auto& flow = computation.flow();
-  const auto facets = error_of_facets(computation.comm(), c, flow.setup(), computation.mesh(), flow.domain().boundary);
-  for (const auto& row : coefficient_rows)
-    if (!row.is_of_lift || c.reference.gives_lift())
-      check.coefficients.push_back({row.name, all.body.*row.estimate, fewer.body.*row.estimate,
-                                    student_95(all.groups.n_groups), student_95(fewer.groups.n_groups), separation,
-                                    facets.*row.facets});
-  return check;
+  if (!second) return false;
+  check.fewer = {second->flow().n_particles(), steps_of(*second)};
+  const auto results = second->averaging().results();
+  for (auto& one : check.coefficients)
+    one.fewer = {estimate_of(results, one.name), student_95(results.groups.n_groups), separation};
+  return true;
 }
 
 /// The run with cells at the walls split; adds what comes of it to the check. False if it was stopped. Collective.
@@ -115,9 +130,7 @@ bool check_cells(const Computation& computation, double size, const Observer& ob
   if (by_particles && before > 0 && now > 0) run.distance = now / before;  // else it is the cells that part partners
   const auto results = second->averaging().results();
   for (auto& one : check.coefficients)
-    for (const auto& row : coefficient_rows)
-      if (one.name == row.name)
-        one.split = {results.body.*row.estimate, student_95(results.groups.n_groups), size, run.distance};
+    one.split = {estimate_of(results, one.name), student_95(results.groups.n_groups), size, run.distance};
   check.split = run;
   return true;
 }
@@ -130,14 +143,36 @@ void require_checkable(const Case& c, bool cells) {
         fmt::format("{}: expected no window in [run] beside --check-resolution, which needs averages of a steady "
                     "flow, found window = {}",
                     c.where, c.schedule.window));
+  const auto& schedule = c.schedule;
+  if (schedule.block > 0 && schedule.sampling < 2 * schedule.block)
+    throw Error(
+        fmt::format("{}: expected two blocks in [run] at least beside --check-resolution, found sampling = {} and "
+                    "block = {}",
+                    c.where, schedule.sampling, schedule.block));
+  if (schedule.sampling < 2)
+    throw Error(fmt::format("{}: expected sampling of two steps at least in [run] beside --check-resolution, found {}",
+                            c.where, schedule.sampling));
   if (!cells) return;
+  if (!c.collisions.enabled)
+    throw Error(
+        fmt::format("{}: expected collisions beside --check-cells, because the size of cells adds no error without "
+                    "them, found none",
+                    c.where));
   if (!c.partner.empty())
     throw Error(
         fmt::format("{}: expected no periodic patch beside --check-cells, because split faces of it need not match, "
                     "found \"{}\"",
                     c.boundary_at.at(c.partner.begin()->first), c.partner.begin()->first));
-  if (std::none_of(c.boundary.begin(), c.boundary.end(), [](const auto& table) { return table.second.is_wall(); }))
-    throw Error(fmt::format("{}: expected a wall in [boundary] beside --check-cells, found none", c.where));
+}
+
+void require_walls(const Computation& computation) {
+  const auto& flow = computation.flow();
+  const auto& faces = flow.domain().boundary;
+  const bool here = std::any_of(faces.begin(), faces.end(),
+                                [&](const BoundaryFace& face) { return flow.setup().patch[at(face.patch)].is_wall(); });
+  if (!computation.comm().any(here))
+    throw Error(
+        fmt::format("{}: expected faces on a wall beside --check-cells, found none", computation.the_case().where));
 }
 
 std::optional<ResolutionCheck> check_resolution(const Computation& computation, const CellResolution& resolution,
@@ -146,13 +181,17 @@ std::optional<ResolutionCheck> check_resolution(const Computation& computation, 
   if (computation.averaging().results().groups.n_groups < 2)
     throw Error(
         "--check-resolution: expected two blocks of averages at least, found fewer: use more sampling in [run]");
-  auto check = check_particles(computation, resolution.wall_separation, observer);
-  if (check && cells && !check_cells(computation, resolution.wall_cell_size, observer, *check)) check.reset();
+  if (cells) require_walls(computation);
+  auto check = check_facets(computation);
+  if (!computation.the_case().collisions.enabled) return check;
+  if (!check_particles(computation, resolution.wall_separation, observer, check)) return {};
+  if (cells && !check_cells(computation, resolution.wall_cell_size, observer, check)) return {};
   return check;
 }
 
 nlohmann::json to_json(const ResolutionCheck& check) {
-  nlohmann::json shown{{"particles", check.n_particles}, {"steps", check.n_steps}};
+  nlohmann::json shown = nlohmann::json::object();
+  if (check.fewer) shown = {{"particles", check.fewer->n_particles}, {"steps", check.fewer->n_steps}};
   if (check.split)
     shown["cells"] = {{"split", check.split->n_split},
                       {"cells", check.split->n_cells},

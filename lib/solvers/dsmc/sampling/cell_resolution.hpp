@@ -21,7 +21,7 @@ struct CellResolution {
   double all = 0;                 ///< these four together
   double cells_of_dense_gas = 0;  ///< cells denser than the free stream
   double few_in_dense_gas = 0;    ///< of these: fewer than 5 particles on average
-  double wall_separation = 0;     ///< of collision partners at the walls over the mean free path, weighted by heat
+  double wall_separation = 0;     ///< of collision partners at the walls of the body over the mean free path, by heat
   double wall_cell_size = 0;      ///< cube root of the volume of cells at the walls over it, weighted likewise
   double max_temperature = 0;     ///< K, of cells with 100 samples or more; 0 if there are none
 };
