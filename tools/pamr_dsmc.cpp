@@ -37,15 +37,16 @@ void declare(cli::CommandLine& line, Options& o) {
   line.option("CASE", o.case_file, "case file (TOML)").required();
   line.option("--mesh", o.mesh, "mesh to compute on").required().type_name("MESH");
   line.option("-o,--output", o.out.mesh, "mesh to write: the same with the averaged flow as cell fields");
-  line.option("--steps", o.advance.steps, "end after N steps in total, transient included (default: as the case says)")
-      .type_name("N")
-      .positive();
+  auto steps = line.option("--steps", o.advance.steps,
+                           "end after N steps in total, transient included (default: as the case says)");
+  steps.type_name("N").positive();
   line.flag("--plan", o.plan, "print what is known before the first step, and exit");
   line.flag("--keep-cells", o.keep_cells,
             "leave every cell on its rank for the whole run; without it cells move when that saves time");
   auto check = line.flag("--check-resolution", o.check_resolution,
                          "afterwards a second run with a quarter of the particles, for the error of the coefficients "
                          "that too few particles make");
+  check.excludes(steps);
   line.flag("--check-cells", o.check_cells,
             "then another one with the cells at the walls split, for the error that coarse cells there make")
       .needs(check);

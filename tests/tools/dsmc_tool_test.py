@@ -116,7 +116,7 @@ def test_free_molecular_sphere_has_the_drag_and_heat_of_the_closed_form():
     # On the screen +- are bounds of 95 %.
     shown = compute(case, "sphere.hdf", "short.hdf", "--steps", "180", "--json", "-")
     drag = shown.json["C_D"]
-    assert f"C_D {drag['value']:.4f} +- {drag['ci95']:.4f} ({shown.json['drag']['value']:.4g} N)" in shown.err, shown.err
+    assert f"C_D {drag['value']:.4f} +- {drag['ci95']:.4f} ({shown.json['drag']['value']:.4g} +- {shown.json['drag']['ci95']:.2g} N)" in shown.err, shown.err
     assert drag["ci95"] > 2 * drag["stderr"] and "\npatch sphere: " in shown.err and "\nbalance: " in shown.err, shown.err
 
     # A sixteenth of a turn says nothing about forces across the stream.
@@ -222,6 +222,7 @@ def test_the_cells_at_the_walls_are_checked_too_with_the_same_numbers_on_any_ran
     sides = {side: 'kind = "symmetry"' for side in ("ymin", "ymax", "zmin", "zmax")}
     refuses("pamr-dsmc", write("open.toml", gas_in_a_cube(SPECIES, **sides)), *more, *check, says=["open.toml", "on a wall"], creates="x.hdf")
     refuses("pamr-dsmc", write("thin.toml", CUBE + "[collisions]\nenabled = false\n"), *more, *check, says=["thin.toml", "collisions"], creates="x.hdf")
+    refuses("pamr-dsmc", case, *more, check[0], "--steps", "17", says=["--check-resolution", "--steps"], creates="x.hdf")
     refuses("pamr-dsmc", write("long.toml", CUBE.replace("block = 4\n", "block = 11\n")), *more, check[0],
             says=["long.toml", "sampling = 20 and block = 11"], creates="x.hdf")
     sides["zmin"] = 'kind = "diffuse", temperature = 300.0'
@@ -263,6 +264,29 @@ def test_inlets_and_outlets_are_shown_and_go_on_with_the_same_bytes():
     fast = compute(write("fast.toml", duct('kind = "outflow"').replace("speed = 400.0", "speed = 800.0").replace("relaxation = 5", "relaxation = 1")), mesh, "d.hdf")
     assert "warning: patch xmin: gas would enter faster than sound and is held at 353" in fast.err, fast.err
     refuses("pamr-dsmc", write("bad.toml", duct('kind = "outlet"')), "--mesh", mesh, "-o", "x.hdf", says=["bad.toml:", "pressure"], creates="x.hdf")
+
+
+def test_a_flow_through_patches_is_steady_when_what_passes_them_is():
+    # Drag and heat of its walls are noise about nothing, and would never be.
+    walls = {side: 'kind = "diffuse", temperature = 300.0' for side in ("ymin", "ymax", "zmin", "zmax")}
+    def duct(left, right):
+        text = gas_in_a_cube(SPECIES, sampling=400, end="most_transient = 9000\n", xmin=left, xmax=right, **walls)
+        return write("duct.toml", text.replace("transient = 10\n", "", 1).replace("speed = 400.0\n", "[stream.thin]\ndensity = 5e19\ntemperature = 300.0\n"))
+    mesh = kuhn_cube("cube.hdf", 3)
+    # Volume over open area, times four over the mean speed of molecules: their stay; four times as long, or 8 relaxations.
+    stay = 0.5 * 4 / math.sqrt(8 * 1.380649e-23 * 300 / (math.pi * 4.65e-26)) / 5e-5
+    for left, right, passage in (('kind = "inlet", relaxation = 40', 'kind = "outlet", pressure = 0.35, relaxation = 60', 480),
+                                 ('kind = "inflow"', 'kind = "inflow", stream = "thin"', 4 * stay)):
+        shown = compute(duct(left, right), mesh, "a.hdf", "--force", "--json", "-", ranks=1)
+        averages = shown.json["averages"]
+        assert abs(averages["passage_steps"] - max(passage, 4 * stay)) <= 10, (averages, stay)
+        assert averages["begun"] == "steady" and "the molecules through xmin changed only" in shown.json["steady"], shown.json["steady"]
+        assert set(averages["change"]) == {"C_D", "C_H", "xmin", "xmax"}, averages
+        assert not averages["independent"] and " in which the flow forgets itself, and may be too small: " in shown.err, shown.err
+        net = shown.json["fluxes"]["patches"]["xmax"]["net"]["molecules"]
+        assert f", net {net['value']:.4g} +- {net['ci95']:.2g} molecules/s; net (" in shown.err, shown.err
+        drag, heat = shown.json["drag"], shown.json["heat"]
+        assert f"({drag['value']:.4g} +- {drag['ci95']:.2g} N)" in shown.err and f"({heat['value']:.4g} +- {heat['ci95']:.2g} W)" in shown.err, shown.err
 
 
 def test_vibration_is_shown_and_goes_on_with_the_same_bytes_and_is_carried():
@@ -318,6 +342,7 @@ def test_planes_are_counted_and_bad_ones_refused():
     def refused(text, *says):
         refuses("pamr-dsmc", write("bad.toml", CUBE.replace(plane, text)), "--mesh", mesh, "-o", "x.hdf", says=says, creates="x.hdf")
 
+    refused('[[plane]]\nname = "xmin"\npoint = [0.5, 0.5, 0.5]\nnormal = [1.0, 0.0, 0.0]\n', "bad.toml:", "[[plane]]", '"xmin"')
     rest = '[[plane]]\nname = "p"\npoint = [0.5, 0.5, 0.5]\n'
     refused(rest, "bad.toml:", "normal")
     refused(rest + "normal = [0.0, 0.0, 0.0]\n", "bad.toml:", "a direction")
@@ -356,6 +381,8 @@ def test_gases_are_found_by_name_and_air_by_its_altitude_and_hot_molecules_are_w
     assert "free stream: n 1.18853e+19 1/m3, T 195.081 K" in hot.err, hot.err
     assert "the total temperature of the free stream is 27978 K" in hot.err and "the hottest cell has " in hot.err, hot.err
     assert hot.err.count("above 2,500 K molecules vibrate and react") == 2 and hot.json["quality"]["max_temperature"] > 2500, hot.err
+    mixed = air.replace("altitude = 100e3\n", "altitude = 100e3\nfractions = { N2 = 0.25, O2 = 0.75 }\n")
+    assert "species O2: 0.75 of the molecules" in run("pamr-dsmc", write("mixed.toml", mixed), "--mesh", mesh, "--plan", serial=True).out
     free = compute(write("free.toml", air + "[collisions]\nenabled = false\n"), mesh, "free.hdf", "--quiet")
     assert "2,500 K" not in free.err, free.err
     refuses("pamr-dsmc", write("bad.toml", air.replace("100e3", "100")), "--mesh", mesh, "-o", "x.hdf",

@@ -4,11 +4,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include "pamr/base/error.hpp"
+#include "pamr/base/index.hpp"
 #include "pamr/mesh/box_of_nodes.hpp"
+#include "pamr/par/reproducible_sum.hpp"
 #include "solvers/dsmc/flow/gas_contents.hpp"
 #include "solvers/dsmc/gas/kinetic_theory.hpp"
 
@@ -21,7 +25,39 @@ namespace {
 constexpr std::size_t window = 10;  ///< intervals of a window of the steadiness test
 constexpr double max_steps = 1e15;  ///< that are worth counting: no computer does as many
 
-/// Steps in which the free stream passes the domain, on average over the volume where time steps vary.
+/// Whether gas comes through patches and no stream passes: flows from vessel to vessel, through ducts.
+bool is_through_patches(const Setup& setup) {
+  const auto has = [&](bool (BoundaryCondition::*kind)() const) {
+    return std::any_of(setup.patch.begin(), setup.patch.end(), [&](const auto& patch) { return (patch.*kind)(); });
+  };
+  return has(&BoundaryCondition::is_driven) ||
+         (norm(setup.stream.front().velocity) == 0 && has(&BoundaryCondition::brings_gas));
+}
+
+/// Steps in which a flow through patches forgets itself. As many molecules as are inside come in from gas at rest in the
+/// time in which their number forgets itself by a factor of e; the speed at an inlet or outlet does so in twice the
+/// steps that it is averaged over, because half of what is off comes back (`DrivenPatch`). After four times as many
+/// 2 % are left. Collective.
+double exchange_steps(const Flow& flow) {
+  const auto& setup = flow.setup();
+  const auto& domain = flow.domain();
+  std::array<par::ExactSum, 2> sums;
+  for (const double volume : domain.volume) sums[0].add(volume);
+  double relaxation = 0;
+  for (const auto& face : domain.boundary)
+    if (setup.patch[at(face.patch)].is_open()) sums[1].add(face.area);
+  for (const auto& patch : setup.patch)
+    if (patch.is_driven()) relaxation = std::max(relaxation, patch.relaxation);
+  const auto total = par::reproducible_sums(flow.comm(), sums);
+  constexpr double forgotten = 4;
+  if (!(total[1] > 0)) return 2 * forgotten * relaxation;
+  const double c = most_probable_speed(setup.stream.front().temperature, setup.gas.mean_mass());
+  const double time = total[0] / total[1] * 2 * std::sqrt(std::numbers::pi) / c;
+  return forgotten * std::max(time / setup.dt * setup.mean_dt_ratio, 2 * relaxation);
+}
+
+/// Steps in which the free stream passes the domain, on average over the volume where time steps vary, or in which a flow
+/// through patches forgets itself. Collective.
 double flow_through_steps(const Flow& flow, const mesh::DistMesh& mesh) {
   const auto& setup = flow.setup();
   const auto extent = setup.unit * mesh::box_of_nodes(flow.comm(), mesh).size();
@@ -29,7 +65,8 @@ double flow_through_steps(const Flow& flow, const mesh::DistMesh& mesh) {
   const double c = most_probable_speed(free.temperature, setup.gas.mean_mass());
   double time = 1e300;
   for (std::size_t k = 0; k < 3; ++k) time = std::min(time, extent[k] / std::max(std::fabs(free.velocity[k]), 0.5 * c));
-  return std::clamp(time / setup.dt * setup.mean_dt_ratio, 1.0, max_steps);
+  const double steps = time / setup.dt * setup.mean_dt_ratio;
+  return std::clamp(is_through_patches(setup) ? std::max(steps, exchange_steps(flow)) : steps, 1.0, max_steps);
 }
 
 }  // namespace
@@ -40,8 +77,11 @@ Averaging::Averaging(const Case& the_case, const mesh::DistMesh& mesh, const Flo
       scale_(the_case.gas, the_case.stream.front(), the_case.reference),
       body_(reference_patches(the_case.reference, flow.setup().patches_on(mesh), flow.setup().patch)) {
   const auto& patches = flow.setup().patches_on(mesh);
-  for (std::size_t p = 0; p < patches.size(); ++p)
+  const bool is_by_flux = is_through_patches(flow.setup());
+  for (std::size_t p = 0; p < patches.size(); ++p) {
     if (flow.setup().patch[p].is_wall()) walls_.emplace_back(p, patches[p].name);
+    if (is_by_flux && flow.setup().patch[p].is_open()) openings_.emplace_back(p, patches[p].name);
+  }
   interval_ = std::max<std::int64_t>(1, std::llround(flow_through_steps(flow, mesh) / window));
   state_.block_steps = schedule_.block > 0 ? schedule_.block : std::max<std::int64_t>(1, schedule_.sampling / 20);
   state_.face.resize(flow.domain().boundary.size());
@@ -169,12 +209,21 @@ void Averaging::end_fluxes(Flow& flow, GasContents contents, HistoryRow& row) {
 
 /// Begins sampling if the history says that the flow is steady, or if the transient has lasted for too long.
 void Averaging::assess_steadiness_of(Flow& flow) {
-  std::vector<Series> series{{"the number of particles", {}}, {"the drag", {}}, {"the heat to the walls", {}}};
+  std::vector<Series> series{{"the number of particles", {}}};
+  if (openings_.empty()) series.insert(series.end(), {{"the drag", {}}, {"the heat to the walls", {}}});
+  for (const auto& [p, name] : openings_) series.push_back({fmt::format("the molecules through {}", name), {}});
   for (const auto& old : state_.history) {
     if (old.sampled || old.step <= state_.first_step + discarded()) continue;
+    if (!openings_.empty() && old.fluxes.empty()) continue;
     series[0].value.push_back(static_cast<double>(old.particles));
-    series[1].value.push_back(old.body.drag);
-    series[2].value.push_back(old.body.heat);
+    if (openings_.empty()) {
+      series[1].value.push_back(old.body.drag);
+      series[2].value.push_back(old.body.heat);
+    }
+    for (std::size_t k = 0; k < openings_.size(); ++k) {
+      const auto& flux = old.fluxes[openings_[k].first];
+      series[1 + k].value.push_back(flux[0] + flux[1]);
+    }
   }
   // Where the noise of few particles hides the slope, windows two, four, ... times as long are tried too.
   auto verdict = assess_steadiness(series, window);
@@ -242,8 +291,16 @@ std::vector<Results::Trend> Averaging::trends() const {
   const auto n = groups().n_groups;
   if (n < 10 || schedule_.window > 0) return {};
   const auto body = series_of([&](const std::vector<Load>& loads) { return sum_of(loads, body_); });
-  return {{"C_D", "the drag", fit_line(group_means(body.drag, n))},
-          {"C_H", "the heat to the walls", fit_line(group_means(body.heat, n))}};
+  std::vector<Results::Trend> trends{{"C_D", "the drag", fit_line(group_means(body.drag, n))},
+                                     {"C_H", "the heat to the walls", fit_line(group_means(body.heat, n))}};
+  for (const auto& [p, name] : openings_) {
+    std::vector<double> net;
+    for (const auto& row : state_.history)
+      if (row.sampled && !row.fluxes.empty()) net.push_back(row.fluxes[p][0] - row.fluxes[p][1]);
+    if (net.size() >= n)
+      trends.push_back({name, fmt::format("the net flux through {}", name), fit_line(group_means(net, n))});
+  }
+  return trends;
 }
 
 Results Averaging::results() const {

@@ -24,14 +24,14 @@ struct Results {
   };
   /// How a coefficient of the body has changed while it was averaged.
   struct Trend {
-    std::string coefficient, name;  ///< C_D, "the drag"
+    std::string coefficient, name;  ///< C_D, "the drag"; of a net flux the patch
     Line line;                      ///< through the groups
   };
   OfPatch body;                ///< of the reference patches together
   std::vector<OfPatch> walls;  ///< of each patch that is a wall
   std::size_t n_blocks = 0;
   Grouping groups;            ///< of the blocks: what the errors of the loads come from
-  std::vector<Trend> trends;  ///< of drag and heat, if there are ten groups; not in windows
+  std::vector<Trend> trends;  ///< of drag, heat and net fluxes of `openings_`, if there are ten groups; not in windows
 };
 
 /// Those that drift, in words, with bounds of 95 %: a flow that was not steady. Empty if none does. Local.
@@ -40,10 +40,11 @@ std::string drifts_of(const std::vector<Results::Trend>& trends);
 bool is_finite(const Results& results);
 
 /// Decides when the averages of a flow begin and when they suffice, and keeps history, blocks and sums. Averages that
-/// began because the flow seemed steady begin anew when drag or heat drift in them.
+/// began because the flow seemed steady begin anew when drag or heat drift in them, or in ducts the net flux.
 ///
-/// A run is divided into intervals: of the transient, each a tenth of the time in which the free stream (for a gas at
-/// rest: its fast molecules) passes the domain; and of the averages, the blocks of the schedule.
+/// A run is divided into intervals: of the transient, each a tenth of a passage, the time in which the free stream (for a
+/// gas at rest: its fast molecules) passes the domain, or in which a flow of gas at rest through patches forgets itself;
+/// and of the averages, the blocks of the schedule.
 class Averaging {
  public:
   /// Collective.
@@ -81,7 +82,7 @@ class Averaging {
   SurfaceFlux flux(std::size_t surface, int species, std::size_t n_species) const;
   Grouping flux_groups() const;
   std::int64_t block_steps() const { return state_.block_steps; }
-  /// Steps in which the free stream passes the domain: what happens in them depends on each other.
+  /// Steps of a passage: what happens in them depends on each other.
   std::int64_t passage_steps() const;
   const RunState& state() const { return state_; }
   const Scale& scale() const { return scale_; }
@@ -109,6 +110,8 @@ class Averaging {
   Scale scale_;
   std::vector<bool> body_;                                  ///< of each patch: belongs to the reference body
   std::vector<std::pair<std::size_t, std::string>> walls_;  ///< number and name of each patch that is a wall
+  std::vector<std::pair<std::size_t, std::string>>
+      openings_;  ///< the same of open ones if gas at rest comes through them
   std::int64_t interval_ = 1;
   RunState state_;
 };

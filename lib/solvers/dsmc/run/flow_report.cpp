@@ -131,21 +131,27 @@ std::string summary_of(const Computation& computation, const Outcome& outcome) {
   if (results.n_blocks == 0 || results.walls.empty()) return line;
   const auto& body = results.body;
   const double student = student_95(results.groups.n_groups);
-  const auto text = [&](const char* name, const Estimate& e) {
-    const auto value = fmt::format("{} {:.4f}", name, e.value);
-    double bound = student * e.error;
+  const auto bound_of = [&](const char* name, const Estimate& e) {
     if (outcome.check)
       for (const auto& one : outcome.check->coefficients)
-        if (one.name == name) bound = one.bound();
-    return std::isfinite(student) ? fmt::format("{} +- {:.4f}", value, bound) : value;
+        if (one.name == name) return one.bound();
+    return student * e.error;
+  };
+  const auto text = [&](const char* name, const Estimate& e) {
+    const auto value = fmt::format("{} {:.4f}", name, e.value);
+    return std::isfinite(student) ? fmt::format("{} +- {:.4f}", value, bound_of(name, e)) : value;
+  };
+  const auto in_units = [&](const char* name, const Estimate& e, double unit) {
+    const auto value = fmt::format("{:.4g}", unit * e.value);
+    return std::isfinite(student) ? fmt::format("{} +- {:.2g}", value, unit * bound_of(name, e)) : value;
   };
   const auto& scale = computation.averaging().scale();
   const auto lift = computation.the_case().reference.gives_lift()
                         ? fmt::format("{}, {}, ", text("C_L", body.lift), text("C_m", body.moment))
                         : std::string();
-  return fmt::format("{}; {} ({:.4g} N), {}{} ({:.4g} W)", line, text("C_D", body.drag),
-                     scale.force() * body.drag.value, lift, text("C_H", body.heat),
-                     scale.force() * scale.speed() * body.heat.value);
+  return fmt::format("{}; {} ({} N), {}{} ({} W)", line, text("C_D", body.drag),
+                     in_units("C_D", body.drag, scale.force()), lift, text("C_H", body.heat),
+                     in_units("C_H", body.heat, scale.force() * scale.speed()));
 }
 
 std::vector<std::string> warnings_of(const Averaging& averaging) {
@@ -154,12 +160,12 @@ std::vector<std::string> warnings_of(const Averaging& averaging) {
     warnings.push_back("what passed the patches is not what the gas has lost: " + balance_line(balance));
   const auto results = averaging.results();
   const auto& groups = results.groups;
-  if (results.walls.empty() || groups.n_groups < 2) return warnings;
+  if (groups.n_groups < 2) return warnings;
   const auto passage = averaging.passage_steps();
   if (!groups.are_independent)
     warnings.push_back(fmt::format(
-        "standard errors come from {} groups of {} steps, fewer than the {} in which the free stream passes the "
-        "domain, and may be too small: for ten that long use sampling = {}",
+        "standard errors come from {} groups of {} steps, fewer than the {} in which the flow forgets itself, and "
+        "may be too small: for ten that long use sampling = {}",
         groups.n_groups, groups.steps, passage, 20 * ((passage + 1) / 2)));
   if (const auto found = drifts_of(results.trends); !found.empty())
     warnings.push_back(

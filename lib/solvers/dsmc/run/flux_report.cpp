@@ -109,10 +109,11 @@ std::vector<std::string> flux_lines(const Computation& computation) {
     const bool is_plane = k >= n_patches_of(computation);
     const auto f = averaging.flux(k, -1, computation.flow().setup().gas.species.size());
     const double error = std::max({f.net[1].error, f.net[2].error, f.net[3].error});
-    lines.push_back(fmt::format("{} {}: {:.4g} {}, {:.4g} {} molecules/s; net ({:.4g}, {:.4g}, {:.4g}){} N, {:.4g}{} W",
-                                is_plane ? "plane" : "patch", names[k], f.out[0].value, is_plane ? "along" : "out",
-                                f.in[0].value, is_plane ? "against" : "in", f.net[1].value, f.net[2].value,
-                                f.net[3].value, bound(error), f.net[4].value, bound(f.net[4].error)));
+    lines.push_back(fmt::format(
+        "{} {}: {:.4g} {}, {:.4g} {}, net {:.4g}{} molecules/s; net ({:.4g}, {:.4g}, {:.4g}){} N, {:.4g}{} W",
+        is_plane ? "plane" : "patch", names[k], f.out[0].value, is_plane ? "along" : "out", f.in[0].value,
+        is_plane ? "against" : "in", f.net[0].value, bound(f.net[0].error), f.net[1].value, f.net[2].value,
+        f.net[3].value, bound(error), f.net[4].value, bound(f.net[4].error)));
   }
   for (const auto& one : computation.flow().driven()) {
     const auto& e = one.entering();

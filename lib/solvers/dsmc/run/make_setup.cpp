@@ -33,6 +33,14 @@ void require_reference(const Case& c, const Setup& setup) {
           fmt::format("{}: expected patches = names of walls of the mesh in [reference], found \"{}\"", c.where, name));
 }
 
+/// In history and report planes stand beside patches.
+void require_names_of_planes(const Case& c, const std::vector<mesh::Patch>& patches) {
+  for (const auto& plane : c.flux_plane)
+    if (std::any_of(patches.begin(), patches.end(), [&](const auto& patch) { return patch.name == plane.name; }))
+      throw Error(fmt::format("{}: expected a name in [[plane]] that no patch of the mesh has, found \"{}\"", c.where,
+                              plane.name));
+}
+
 double unit_of(const Case& c, const mesh::DistMesh& mesh) {
   if (c.unit) return *c.unit;
   if (mesh.info.length_unit == "m") return 1;
@@ -136,6 +144,7 @@ Setup make_setup(const par::Comm& comm, const Case& c, const mesh::DistMesh& mes
   setup.unit = unit_of(c, mesh);
   set_patches(comm, c, mesh, setup);
   require_reference(c, setup);
+  require_names_of_planes(c, setup.patches_on(mesh));
   setup.initial = c.initial;
   setup.region = c.region;
   setup.plane = c.flux_plane;

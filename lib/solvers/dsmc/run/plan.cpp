@@ -105,19 +105,19 @@ std::vector<std::string> warnings_of(const Plan& plan) {
 
 std::vector<std::string> describe(const Case& c, const Setup& setup, const Plan& plan) {
   std::vector<std::string> lines;
+  const auto& free = c.stream.front();
   for (std::size_t i = 0; i < c.gas.species.size(); ++i) {
     const auto& s = c.gas.species[i];
     lines.push_back(
         fmt::format("species {}: {:g} of the molecules, mass {:g} kg, diameter {:g} m at {:g} K, omega {:g}, "
                     "alpha {:g} ({}), {} rotational degrees",
-                    s.name, c.gas.fraction[i], s.mass, s.diameter, s.t_ref, s.omega, s.alpha,
+                    s.name, free.fraction[i], s.mass, s.diameter, s.t_ref, s.omega, s.alpha,
                     s.alpha == 1 ? "VHS" : "VSS", s.rotational_degrees));
     if (c.gas.is_weighted) lines.back() += fmt::format(", weight {:g}", s.weight);
   }
   lines.push_back("rotation: " + rotation_text(c.gas.rotation));
   for (const auto& s : c.gas.species)
     if (!s.vibration.mode.empty()) lines.push_back(vibration_text(s));
-  const auto& free = c.stream.front();
   lines.push_back(fmt::format("free stream: n {:g} 1/m3, T {:g} K, T_rot {:g} K, u ({:g}, {:g}, {:g}) m/s",
                               free.density, free.temperature, free.rotational_temperature, free.velocity.x,
                               free.velocity.y, free.velocity.z));
