@@ -8,7 +8,7 @@
 #   --ranks N       MPI processes (default 2)
 #   --out FOLDER    where meshes and results go (default out/ducts beside this script); runs that are there are not repeated
 #   --tools FOLDER  takes the tools from there and sets nothing up
-#   CASE            only these: tube slit vessel flow channel
+#   CASE            only these: tube slit vessel flow bars channel
 set -euo pipefail
 
 subfolder=ducts

@@ -34,8 +34,8 @@ bool is_through_patches(const Setup& setup) {
          (norm(setup.stream.front().velocity) == 0 && has(&BoundaryCondition::brings_gas));
 }
 
-/// Steps in which a flow through patches forgets itself. As many molecules as are inside come in from gas at rest in the
-/// time in which their number forgets itself by a factor of e; the speed at an inlet or outlet does so in twice the
+/// Steps in which a flow through patches forgets itself. As many molecules as are inside come in from gas at rest in
+/// the time in which their number forgets itself by a factor of e; the speed at an inlet or outlet does so in twice the
 /// steps that it is averaged over, because half of what is off comes back (`DrivenPatch`). After four times as many
 /// 2 % are left. Collective.
 double exchange_steps(const Flow& flow) {
@@ -56,8 +56,8 @@ double exchange_steps(const Flow& flow) {
   return forgotten * std::max(time / setup.dt * setup.mean_dt_ratio, 2 * relaxation);
 }
 
-/// Steps in which the free stream passes the domain, on average over the volume where time steps vary, or in which a flow
-/// through patches forgets itself. Collective.
+/// Steps in which the free stream passes the domain, on average over the volume where time steps vary, or in which a
+/// flow through patches forgets itself. Collective.
 double flow_through_steps(const Flow& flow, const mesh::DistMesh& mesh) {
   const auto& setup = flow.setup();
   const auto extent = setup.unit * mesh::box_of_nodes(flow.comm(), mesh).size();

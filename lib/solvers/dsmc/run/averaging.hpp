@@ -42,9 +42,9 @@ bool is_finite(const Results& results);
 /// Decides when the averages of a flow begin and when they suffice, and keeps history, blocks and sums. Averages that
 /// began because the flow seemed steady begin anew when drag or heat drift in them, or in ducts the net flux.
 ///
-/// A run is divided into intervals: of the transient, each a tenth of a passage, the time in which the free stream (for a
-/// gas at rest: its fast molecules) passes the domain, or in which a flow of gas at rest through patches forgets itself;
-/// and of the averages, the blocks of the schedule.
+/// A run is divided into intervals: of the transient, each a tenth of a passage, the time in which the free stream (for
+/// a gas at rest: its fast molecules) passes the domain, or in which a flow through patches forgets itself; and of the
+/// averages, the blocks of the schedule.
 class Averaging {
  public:
   /// Collective.
