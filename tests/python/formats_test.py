@@ -118,8 +118,8 @@ def test_endings_that_are_only_read_have_one_message():
 def test_pictures_and_the_manual_know_every_ending():
     sys.path.insert(0, str(ROOT / "tools" / "picture"))
     import mesh_files
-    for ending in ENDINGS:
-        assert (ending and "." + ending.rpartition(".")[2]) in mesh_files.READERS, ending
+    for ending, is_read in ENDINGS.items():  # pamr-picture has readers of its own for what the others do not read
+        assert is_read or ending in mesh_files.BY_VTK + mesh_files.BY_MESHIO, ending
     page = (ROOT / "docs" / "tools" / "pamr-convert.md").read_text(encoding="utf-8")
     assert all(f"`{ending}`" in page for ending in ENDINGS if ending)
 

@@ -15,6 +15,7 @@ import matplotlib.image
 import numpy as np
 
 from tool_run import BIN, FULL, LIMIT, SHARED, kuhn_cube, of_full_level, once, refuses, run, run_tests
+from tet import FACE_TO_CORNER
 
 
 @once
@@ -190,15 +191,81 @@ def test_patches_have_the_names_that_pamr_convert_gives():
     pathlib.Path("e.vtu").write_bytes(text.replace(b'Name="untagged patch ymax"', b'Name="mine"'))
     pathlib.Path("f.vtu").write_bytes(text.replace(b'Name="patch"', b'Name="medit:ref"').replace(b'Name="patch ', b'Name="some '))
     pathlib.Path("g.vtu").write_bytes(text.replace(b'Name="patch"', b'Name="mine"'))
+    run("pamr-convert", "cube.hdf", "h.lb8.ugrid", "--quiet", serial=True)
+    kuhn_cube("named.hdf", 1)
+    run("pamr-convert", "named.hdf", "i.b8.ugrid", "--kind", "xmin=wall", "--quiet", serial=True)
+    # of one tetrahedron with tags of a group and of a surface: no group, one surface in two groups, some in none (SaveAll)
+    for name, tags in (("j", ((0, 1), (0, 2), (0, 2), (0, 3))), ("k", ((1, 1), (2, 1), (1, 2), (2, 3), (2, 4))), ("l", ((1, 1), (1, 2), (0, 3), (0, 4)))):
+        pathlib.Path(f"{name}.msh").write_text(one_tetrahedron(tags, twice=len(tags) == 5))
+    shutil.copy("cube.hdf", "m.hdf")
+    with h5py.File("m.hdf", "r+") as file:  # as solvers may write it: triangles, no neighbors
+        neighbors, cells = file["PAMR/cell_to_cell"][:], file["VTKHDF/Connectivity"][:].reshape(-1, 4)
+        cell, slot = np.nonzero(neighbors < 0)
+        file["PAMR/boundary/triangles"] = np.take_along_axis(cells[cell], FACE_TO_CORNER[slot], axis=1)
+        file["PAMR/boundary/patch"] = (-neighbors[cell, slot] - 1).astype("i4")
+        del file["PAMR/cell_to_cell"]
     os.environ["PATH"] = f"{BIN}:{os.environ['PATH']}"
-    for name in ("a.msh", "b.mesh", "c.vtu", "d.cgns", "e.vtu", "f.vtu", "g.vtu"):
-        expected = run("pamr-convert", name, "back.hdf", "--force", "--json", "-", serial=True).json["patches"]
-        found = mesh_files.read(name).patches
-        assert sorted(found) == sorted(expected) and len(set(found)) == len(found), (name, found, expected)
-        if name == "a.msh":
-            assert sorted(found) == ["boundary", "boundary_2", "boundary_3", "physical_7", "zmax", "zmin"], found
+    known = {"a.msh": ["boundary", "boundary_2", "boundary_3", "physical_7", "zmax", "zmin"], "i.b8.ugrid": sorted(kuhn_patches()),
+             "j.msh": ["surface_1", "surface_2", "surface_3"], "k.msh": ["A", "A+B", "B"], "l.msh": ["A", "surface_3", "surface_4"]}
+    for name in ("a.msh", "b.mesh", "c.vtu", "d.cgns", "e.vtu", "f.vtu", "g.vtu", "h.lb8.ugrid", "i.b8.ugrid", "j.msh", "k.msh", "l.msh", "m.hdf"):
+        run("pamr-convert", name, "back.hdf", "--force", "--quiet", serial=True)
+        found, expected = (faces_of_patches(mesh_files.read(file)) for file in (name, "back.hdf"))
+        assert found == expected and sorted(found) == known.get(name, sorted(found)), (name, found, expected)
         if name == "c.vtu":
             assert "ymax" in found, found
+
+
+def one_tetrahedron(tags, twice=False):
+    """A file of Gmsh 2.2: the tags of each triangle; `twice`: the first two triangles are one."""
+    faces = [(1, 3, 2), (1, 2, 4), (1, 4, 3), (2, 3, 4)]
+    faces = faces[:1] * twice + faces
+    rows = [f"2 2 {group} {surface} {a} {b} {c}" for (group, surface), (a, b, c) in zip(tags, faces)] + ["4 2 3 9 1 2 3 4"]
+    return ('$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n3\n2 1 "A"\n2 2 "B"\n3 3 "gas"\n$EndPhysicalNames\n$Nodes\n4\n1 0 0 0\n'
+            f"2 1 0 0\n3 0 1 0\n4 0 0 1\n$EndNodes\n$Elements\n{len(rows)}\n"
+            + "".join(f"{i + 1} {row}\n" for i, row in enumerate(rows)) + "$EndElements\n")
+
+
+def kuhn_patches():
+    return [f"{axis}{side}" for axis in "xyz" for side in ("min", "max")]
+
+
+def faces_of_patches(mesh):
+    return dict(zip(mesh.patches, np.bincount(mesh.face_patch, minlength=len(mesh.patches)).tolist()))
+
+
+def test_what_pamr_convert_refuses_or_warns_of_is_refused_or_warned_of_in_its_words():
+    kuhn_cube("cube.hdf", 1)
+    run("pamr-convert", "cube.hdf", "a.vtu", "--quiet", serial=True)
+    text = pathlib.Path("a.vtu").read_bytes()
+    pathlib.Path("two.vtu").write_bytes(text.replace(b'Name="patch xm', b'Name="untagged patch xm'))
+    pathlib.Path("hexahedra.vtu").write_text(
+        '<VTKFile type="UnstructuredGrid"><UnstructuredGrid><Piece NumberOfPoints="8" NumberOfCells="2"><Points><DataArray type="Float64" '
+        'NumberOfComponents="3" format="ascii">0 0 0 1 0 0 1 1 0 0 1 0 0 0 1 1 0 1 1 1 1 0 1 1</DataArray></Points><Cells><DataArray '
+        'type="Int64" Name="connectivity" format="ascii">0 1 2 3 4 5 6 7 0 1 2</DataArray><DataArray type="Int64" Name="offsets" '
+        'format="ascii">8 11</DataArray><DataArray type="UInt8" Name="types" format="ascii">12 5</DataArray></Cells></Piece></UnstructuredGrid>'
+        "</VTKFile>")
+    pathlib.Path("rest.msh").write_text(one_tetrahedron(((1, 1), (2, 2))))
+    pathlib.Path("bad.msh").write_text(one_tetrahedron(((1, 1), (1, 2), (0, 3), (0, 4))).replace("4 2 3 9 1 2 3 4", "4 2 3 9 1 2 3 5"))
+    for name in ("two.vtu", "hexahedra.vtu", "bad.msh"):
+        error = run("pamr-convert", name, "x.hdf", serial=True, code=2).err
+        assert run("pamr-picture", name, "-o", "p.png", code=2).err == f"pamr-picture: error: {error.replace(': error', '')}", name
+
+    warning = run("pamr-convert", "rest.msh", "x.hdf", "--quiet", serial=True).err
+
+    assert "without tag are in the patch 'boundary'" in warning, warning
+    found = run("pamr-picture", "rest.msh", "-o", "p.png", "--size", "300x300").err
+    assert found == warning.replace("pamr-convert: warning", "pamr-picture: warning: pamr-convert"), found
+
+
+def test_surfaces_of_triangles_alone_are_drawn_from_files_of_meshes():
+    import mesh_files
+    text = one_tetrahedron(((1, 1), (1, 2), (2, 3), (2, 4)))
+    pathlib.Path("skin.msh").write_text(text.replace("5 4 2 3 9 1 2 3 4\n", "").replace("$Elements\n5", "$Elements\n4"))
+    os.environ["PATH"] = f"{BIN}:{os.environ['PATH']}"
+
+    mesh = mesh_files.read("skin.msh")
+
+    assert (len(mesh.cells), faces_of_patches(mesh)) == (0, {"A": 2, "B": 2}), mesh
 
 
 def test_units_of_arrays_are_read():
@@ -330,7 +397,7 @@ def test_names_that_are_not_there_are_one_clear_message():
             ([coarse, "--isolines", "3"], "expected a field with numbers"),
             (["missing.hdf"], "found nothing of that name"),
             (["bad.hdf"], "expected a native mesh"),
-            (["bad.vtu"], "bad.vtu: expected a mesh")):
+            (["bad.vtu"], "bad.vtu': expected a file of VTK")):
         refuses("pamr-picture", *arguments, "-o", "p.png", says=[says], creates="p.png")
 
 

@@ -16,14 +16,10 @@ from refused import Refused
 from tet import FACE_TO_CORNER
 
 NATIVE = (".hdf", ".vtkhdf")
-BY_VTK = (".vtu", ".vtp", ".vtk", ".stl", ".ply", ".obj")
-BY_MESHIO = (".msh", ".mesh", ".meshb", ".su2", ".off", ".ugrid")
-BY_CONVERT = (".cgns", ".mfem", "")  # "": the folder of an OpenFOAM case
+# Surfaces of triangles are drawn as they are; the files of the second kind hold tetrahedra or triangles alone.
+BY_VTK, BY_MESHIO = (".stl", ".ply", ".obj", ".vtp"), (".off",)
+MAYBE_BY_VTK, MAYBE_BY_MESHIO = (".vtu", ".vtk"), (".msh", ".mesh", ".meshb")
 NO_PATCH = "boundary"
-# Arrays of tags, and how pamr-convert begins the name of a tag that has none (lib/pamr/io/vtk/vtk_grid.cpp).
-TAG_ARRAYS = {"boundary_patch": "patch_", "patch": "patch_", "gmsh:physical": "physical_", "gmsh:geometrical": "surface_",
-              "medit:ref": "ref_", "tetgen:ref": "patch_", "netgen:index": "patch_", "ugrid:ref": "surface_", "nastran:ref": "patch_",
-              "su2:tag": "patch_", "avsucd:material": "patch_", "CellEntityIds": "patch_"}
 
 
 @dataclasses.dataclass
@@ -93,41 +89,18 @@ def outer_faces(cells):
     return triangles[single], single // 4
 
 
-def matched(faces, tagged, tags):
-    """The tag of each face by the tagged triangle with the same nodes, -1 without one."""
-    keys = np.concatenate([face_keys(tagged), face_keys(faces)])
-    _, number = np.unique(keys, axis=0, return_inverse=True)
-    number = number.ravel()
-    tag_of = np.full(number.max(initial=0) + 1, -1)
-    tag_of[number[:len(tagged)]] = tags
-    return tag_of[number[len(tagged):]]
-
-
-def untagged_name(others):
-    """What pamr-convert calls the patch of faces without a tag beside these (lib/pamr/mesh/untagged_patch.cpp)."""
-    return next(name for name in (NO_PATCH, *(f"{NO_PATCH}_{i}" for i in range(2, len(others) + 3))) if name not in others)
-
-
-def with_boundary(file, points, cells, tagged, tags, names, rest=None, **more):
-    """A mesh of cells whose patches come from tagged triangles; `names`: of tags; `rest`: of faces without one, if the file says it."""
-    faces, owner = outer_faces(cells)
-    found = matched(faces, tagged, tags) if len(tagged) else np.full(len(faces), -1)
-    known = np.unique(found)
-    patches = [names[tag] for tag in known.tolist() if tag >= 0]
-    if -1 in known:
-        patches.insert(0, rest or untagged_name(list(names.values())))
-    return Mesh(file, points, cells, faces, owner, np.searchsorted(known, found), patches, **more)
-
-
 def read_native(file):
+    """A native file as it is: what is wrong with it can be looked at."""
     import h5py
     try:
         with h5py.File(file) as data:
-            return native_of(file, data)
+            if "cell_to_cell" in data.get("PAMR", {}):
+                return native_of(file, data)
     except OSError as wrong:
         raise Refused(f"{file}: expected a native mesh (HDF5): {wrong}") from None
     except KeyError as missing:
         raise Refused(f"{file}: expected a native mesh: {missing.args[0]}") from None
+    return read_by_convert(file)  # of another program, or without neighbors
 
 
 def levels_of(own):
@@ -137,7 +110,7 @@ def levels_of(own):
 
 
 def native_of(file, data):
-    grid, own = data["VTKHDF"], data.get("PAMR", {})
+    grid, own = data["VTKHDF"], data["PAMR"]
     points, cells = grid["Points"][:].astype(float), grid["Connectivity"][:].reshape(-1, 4)
     if (grid["Types"][:] != 10).any():
         raise Refused(f"{file}: expected tetrahedra only, found cells of other types")
@@ -148,10 +121,7 @@ def native_of(file, data):
             if "unit" in field.attrs:
                 more["units"][name] = text_of(field.attrs["unit"])
     more["level"] = levels_of(own) if "lineage" in own else np.zeros(len(cells), int)
-    unit = getattr(own, "attrs", {}).get("length_unit", "")
-    more["length_unit"] = text_of(unit)
-    if "cell_to_cell" not in own:
-        return with_boundary(file, points, cells, np.empty((0, 3), int), [], {}, **more)
+    more["length_unit"] = text_of(own.attrs.get("length_unit", ""))
     if "regions/names" in own:
         more["region_names"] = dict(zip(own["regions/numbers"][:].tolist(), map(text_of, own["regions/names"][:])))
     neighbors = own["cell_to_cell"][:]
@@ -179,7 +149,7 @@ def read_by_vtk(file):
     grid = reader.GetOutput()
     if grid is None or grid.GetNumberOfPoints() == 0 or grid.GetNumberOfCells() == 0:
         raise Refused(f"{file}: expected a mesh, found none that VTK can read")
-    mesh = mesh_of_vtk(file, grid)
+    mesh = surface_of_vtk(file, grid)
     mesh.units = units_of(grid.GetCellData()) | units_of(grid.GetPointData())
     return mesh
 
@@ -198,17 +168,7 @@ def arrays_of(data):
     return {array.GetName(): vtk_to_numpy(array) for array in arrays if array is not None and array.GetName()}
 
 
-def patch_names(grid, start):
-    """By number, as pamr-convert writes them: an array `patch NAME` (or `untagged patch NAME`) with the number for each patch."""
-    return {int(values[0]): name[len(start):] for name, values in arrays_of(grid.GetFieldData()).items() if name.startswith(start)}
-
-
-def named_tags(tags, names, before):
-    """The names of all tags, of those without one as pamr-convert makes them."""
-    return {tag: names.get(tag, f"{before}{tag}") for tag in np.unique(tags[tags >= 0]).tolist()}
-
-
-def mesh_of_vtk(file, grid):
+def surface_of_vtk(file, grid):
     import vtk
     from vtk.util.numpy_support import vtk_to_numpy
     points = vtk_to_numpy(grid.GetPoints().GetData()).astype(float)
@@ -224,24 +184,18 @@ def mesh_of_vtk(file, grid):
         triangles = vtk_to_numpy(grid.GetPolys().GetConnectivityArray()).reshape(-1, 3)
         return surface(file, points, triangles, fields, nodes)
     types = vtk_to_numpy(grid.GetCellTypesArray())
+    rows = np.nonzero(types == 5)[0]
+    require_triangles(file, len(rows), [f"cells of type {kind}" for kind in np.unique(types[types > 9])])  # vtkCellType.h
     begins = vtk_to_numpy(grid.GetCells().GetOffsetsArray())
     connectivity = vtk_to_numpy(grid.GetCells().GetConnectivityArray())
-    rows = {kind: np.nonzero(types == code)[0] for kind, code in (("cells", 10), ("triangles", 5))}
-    cells = connectivity[begins[rows["cells"]][:, None] + np.arange(4)]
-    triangles = connectivity[begins[rows["triangles"]][:, None] + np.arange(3)]
-    if len(cells) + len(triangles) == 0:
-        raise Refused(f"{file}: expected tetrahedra or triangles, found cells of other types only")
-    if len(cells) == 0:
-        return surface(file, points, triangles, {n: v[rows["triangles"]] for n, v in fields.items()}, nodes)
-    array = next((name for name in TAG_ARRAYS if name in fields and fields[name].ndim == 1 and fields[name].dtype.kind in "iu"), None)
-    tags = fields[array][rows["triangles"]].astype(int) if array else np.full(len(triangles), -1)
-    untagged = patch_names(grid, "untagged patch ") if array else {}
-    tags[np.isin(tags, list(untagged))] = -1
-    names = named_tags(tags, patch_names(grid, "patch "), TAG_ARRAYS.get(array))
-    fields = {name: values[rows["cells"]] for name, values in fields.items() if name not in ("patch", "boundary_patch")}
-    level = fields["level"].astype(int) if "level" in fields else None
-    return with_boundary(file, points, cells, triangles, tags, names, rest=next(iter(untagged.values()), None), cell_fields=fields,
-                         node_fields=nodes, level=level)
+    triangles = connectivity[begins[rows][:, None] + np.arange(3)]
+    return surface(file, points, triangles, {name: values[rows] for name, values in fields.items()}, nodes)
+
+
+def require_triangles(file, n_triangles, others):
+    """A file with cells of volume (or of second order) is no surface: pamr-convert reads it, or says why not."""
+    if n_triangles == 0 or others:
+        raise Refused(f"{file}: expected triangles of first order, found {', '.join(others) or 'none'}")
 
 
 def surface(file, points, triangles, fields, nodes, patch=None, names=None):
@@ -271,72 +225,66 @@ def read_by_meshio(file):
         raise Refused(f"{file}: expected a mesh, found one that meshio cannot read: {wrong}") from None
     points = np.zeros((len(mesh.points), 3))
     points[:, :mesh.points.shape[1]] = mesh.points
-    blocks = {kind: [i for i, block in enumerate(mesh.cells) if block.type == kind] for kind in ("tetra", "triangle")}
-
-    def joined(values, kind, width):
-        parts = [values[i] for i in blocks[kind]]
-        return np.concatenate(parts) if parts else np.empty((0, width), int)
-
-    data = [block.data for block in mesh.cells]
-    cells, triangles = joined(data, "tetra", 4), joined(data, "triangle", 3)
-    array = next((name for name in TAG_ARRAYS if name in mesh.cell_data), None) if len(triangles) else None
-    tags = joined(mesh.cell_data[array], "triangle", 0).astype(int) if array else np.zeros(len(triangles), int)
+    blocks = [i for i, block in enumerate(mesh.cells) if block.type == "triangle"]
+    require_triangles(file, len(blocks), sorted({block.type for block in mesh.cells} - {"vertex", "line", "triangle", "quad"}))
+    fields = {name: np.concatenate([values[i] for i in blocks]) for name, values in mesh.cell_data.items()}
+    array = next((name for name in ("gmsh:physical", "medit:ref") if name in fields), None)
     names = {int(tag): name for name, (tag, dimension) in mesh.field_data.items() if dimension == 2}
-    if len(cells):
-        if array in (None, "gmsh:physical"):  # 0 is no group
-            tags[tags == 0] = -1
-        fields = {k: joined(v, "tetra", 0) for k, v in mesh.cell_data.items()}
-        return with_boundary(file, points, cells, triangles, tags, named_tags(tags, names, TAG_ARRAYS.get(array)), cell_fields=fields,
-                             node_fields=dict(mesh.point_data))
-    if len(triangles) == 0:
-        raise Refused(f"{file}: expected tetrahedra or triangles of first order, found "
-                      f"{', '.join(sorted({block.type for block in mesh.cells})) or 'no cells'}")
-    fields = {k: joined(v, "triangle", 0) for k, v in mesh.cell_data.items()}
-    return surface(file, points, triangles, fields, dict(mesh.point_data), tags, names)
+    return surface(file, points, np.concatenate([mesh.cells[i].data for i in blocks]), fields, dict(mesh.point_data),
+                   fields[array].astype(int) if array else None, names)
 
 
 def read_by_convert(file):
-    """Through a native file that pamr-convert writes, which lies beside this tool."""
+    """A mesh of tetrahedra as all tools see it: through a native file of pamr-convert, which lies beside this tool and whose warnings
+    are passed on."""
     tool = os.path.join(os.path.dirname(os.path.realpath(sys.argv[0])), "pamr-convert")
     tool = tool if os.path.exists(tool) else shutil.which("pamr-convert")
     if tool is None:
         raise Refused(f"{file}: reading this format needs pamr-convert beside pamr-picture, found none")
     environment = {k: v for k, v in os.environ.items() if not k.startswith(("OMPI_", "PMI", "PRTE_"))}  # alone
     from picture import unfinished
+    from x_server import dies_with_its_parent
     with tempfile.TemporaryDirectory(prefix="pamr-picture-") as folder:
         unfinished.append(folder)
         native = os.path.join(folder, "mesh.hdf")
-        done = subprocess.run([tool, file, native, "--quiet"], capture_output=True, text=True, env=environment)
+        done = subprocess.run([tool, "--quiet", "--", file, native], capture_output=True, text=True, errors="replace", env=environment,
+                              preexec_fn=dies_with_its_parent)
+        said = [line.removeprefix("pamr-convert: ") for line in done.stderr.splitlines()]
         if done.returncode:
-            raise Refused(done.stderr.strip().removeprefix("pamr-convert: error: ") or f"{file}: pamr-convert failed")
+            wrong = [line.removeprefix("error: ") for line in said if line.startswith("error: ")]
+            raise Refused("pamr-convert: " + (wrong[0] if wrong else f"{file}: ended with exit code {done.returncode}"))
         mesh = read_native(native)
     mesh.file = file
+    for line in said:
+        if line.startswith("warning: "):
+            print("pamr-picture: warning: pamr-convert: " + line.removeprefix("warning: "), file=sys.stderr)
     return mesh
 
 
-# Who reads which ending; tests/python/formats_test.py compares it with the table of formats (lib/pamr/io/formats.cpp).
+def read_by(reader):
+    """Through pamr-convert; where it refuses what is a surface of triangles alone, by this reader."""
+    def read_file(file):
+        try:
+            return read_by_convert(file)
+        except Refused as wrong:
+            with contextlib.suppress(Refused):
+                return reader(file)
+            raise wrong from None
+    return read_file
+
+
 READERS = {**dict.fromkeys(NATIVE, read_native), **dict.fromkeys(BY_VTK, read_by_vtk), **dict.fromkeys(BY_MESHIO, read_by_meshio),
-           **dict.fromkeys(BY_CONVERT, read_by_convert)}
-
-
-def is_mfem(file):
-    """Both MFEM and Medit call their files .mesh."""
-    with open(file, "rb") as text:
-        return text.read(8).removeprefix(b"\xef\xbb\xbf").startswith(b"MFEM")
+           **dict.fromkeys(MAYBE_BY_VTK, read_by(read_by_vtk)), **dict.fromkeys(MAYBE_BY_MESHIO, read_by(read_by_meshio))}
 
 
 def read(file):
     """The mesh of a file; the extension decides who reads it."""
-    extension = "" if os.path.isdir(file) else os.path.splitext(file)[1].lower()
     if not os.path.exists(file):
         raise Refused(f"{file}: expected a mesh file, found nothing of that name")
     if not os.path.isfile(file) and not os.path.isdir(file):
         raise Refused(f"{file}: expected a mesh file, found a device")
-    if extension not in READERS or extension == "" and not os.path.isdir(file):
-        raise Refused(f"{file}: expected a name that ends in {', '.join(filter(None, READERS))}, or an OpenFOAM case")
-    if extension == ".mesh" and is_mfem(file):
-        extension = ".mfem"
-    mesh = READERS[extension](file)
+    extension = "" if os.path.isdir(file) else os.path.splitext(file)[1].lower()
+    mesh = READERS.get(extension, read_by_convert)(file)
     if not np.isfinite(mesh.points).all():
         raise Refused(f"{file}: expected finite coordinates, found others")
     return mesh
