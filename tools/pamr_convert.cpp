@@ -281,11 +281,11 @@ cli::ExitCode convert_file(cli::Session& session, Options options) {
   adjust(comm, options, mesh);
   convert::forget_levels(session, options, mesh, report);
   validate::require_valid(comm, mesh, options.input);
-  for (const auto& warning : warnings) session.warn(warning);
-  for (const auto& note : notes) session.note(note);
   convert::treat_tears(session, options, mesh, report);
   session.step(fmt::format("looking at {} cells", mesh.info.n_global_cells));
   associate(session, options, surfaces, mesh, report);
+  for (const auto& warning : warnings) session.warn(warning);
+  for (const auto& note : notes) session.note(note);
   keep_flat_patches(session, options, mesh, report);
   treat_ears(session, options, mesh, report);
   convert::treat_coarse_walls(session, options, mesh, report);

@@ -57,8 +57,8 @@ def triangles_of(name):
 
 
 def refined(name, to):
-    run("pamr-mark", name, "-o", "marked.hdf", "--all", "--quiet")
-    run("pamr-refine", "marked.hdf", "-o", to, "--quiet")
+    run("pamr-mark", name, "-o", "marked.hdf", "--all", "--force", "--quiet")
+    run("pamr-refine", "marked.hdf", "-o", to, "--force", "--quiet")
     return to
 
 
@@ -113,6 +113,22 @@ def test_a_group_of_the_user_that_is_called_boundary_keeps_its_name():
     assert back["untagged_faces"] == 0 and patches_of("back.hdf")["boundary"] == ("", 2)
 
 
+def test_a_patch_for_them_without_a_face_is_left_out_with_a_note():
+    kuhn_cube("cube.hdf", 1)
+    with h5py.File("cube.hdf", "r+") as file:
+        patches = file["PAMR/patches"]
+        names = [*patches["names"].asstr()[:], "rest"]
+        for of, texts in (("names", names), ("kinds", [""] * 6 + ["untagged"]), ("surfaces", [""] * 7)):
+            del patches[of]
+            patches.create_dataset(of, data=texts, dtype=h5py.string_dtype())
+        del file["PAMR/checksums"]
+    for name, options in (WITHOUT_TAG | WITH_TAG).items():
+        told = run("pamr-convert", "cube.hdf", name, *options).err
+        is_kept = name in ("f.vtu", "g.hdf", "j_case")
+        assert told.count("note: left out, which a native file (.hdf) keeps: the patch 'rest' for faces without a tag") == (not is_kept), (name, told)
+        assert "without faces" not in told, (name, told)
+
+
 def test_a_mesh_without_any_tag_gets_none():
     kuhn_cube("cube.hdf", 1)
     bare_copy("cube.hdf", "bare.hdf")
@@ -154,7 +170,11 @@ def test_there_is_one_patch_of_them_and_none_inside():
         refuses("pamr-mark", "two.hdf", "-o", "no.hdf", "--all", says=["two.hdf", *says], creates="no.hdf")
     with_kinds("part.hdf", "inside.hdf", physical_9="untagged", boundary="wall")
     refuses("pamr-convert", "inside.hdf", "no.msh", says=["inside.hdf", "found 1 inside in 'physical_9'"], creates="no.msh")
-    assert not run("pamr-quality", "inside.hdf", "--json", "-", code=1).json["valid"]
+    found = run("pamr-quality", "inside.hdf", "--json", "-", code=1)
+    assert not found.json["valid"] and found.json["violations"] == [{"invariant": "untagged_outside", "count": 1, "where": 3}], found.json["violations"]
+    assert "untagged_outside is broken 1 time, first at cell 3" in found.err, found.err
+    found = run("pamr-quality", with_kinds("part.hdf", "two.hdf", floor="untagged"), "--json", "-", code=1)  # two patches are in no place
+    assert found.json["violations"] == [{"invariant": "untagged_outside", "count": 1}] and found.err.endswith("untagged_outside is broken 1 time\n"), found.err
 
 
 def test_a_kind_makes_the_patch_of_an_old_file_one_without_a_tag():
@@ -187,7 +207,13 @@ def test_a_solid_of_their_name_does_not_take_them():
     pathlib.Path("body.toml").write_text('[[surface]]\nname = "body"\nkind = "triangulation"\nfile = "body.stl"\n')
     ties = run("pamr-convert", "part.msh", "on.hdf", "--surfaces", "body.toml", "--json", "-").json["ties"]
     assert list(ties) == ["floor"], ties
-    # by its name the user may put them on a surface
+    # one line says why there is nothing on a surface, and how the user may put them there: as a patch or by their name
+    pathlib.Path("rest.stl").write_text(text.replace("solid floor", "solid other"))
+    pathlib.Path("rest.toml").write_text(pathlib.Path("body.toml").read_text().replace("body.stl", "rest.stl"))
+    refuses("pamr-convert", "part.msh", "no.hdf", "--surfaces", "rest.toml", creates="no.hdf",
+            says=["found none; for the faces without a tag, 'boundary': --tie boundary=body, or --kind boundary=patch where a part"])
+    ties = run("pamr-convert", "part.msh", "as.hdf", "--surfaces", "rest.toml", "--kind", "boundary=patch", "--json", "-").json["ties"]
+    assert list(ties) == ["boundary"], ties
     ties = run("pamr-convert", "part.msh", "all.hdf", "--surfaces", "body.toml", "--tie", "boundary=body", "--json", "-").json["ties"]
     assert sorted(ties) == ["boundary", "floor"], ties
 

@@ -59,6 +59,19 @@ void assign_by_parts(const std::vector<mesh::Patch>& patches, const geometry::Su
     if (assigned[p] < 0) assigned[p] = found[p];
 }
 
+/// What puts the faces without a tag, which lie on no surface yet, on this one; empty if there are none.
+std::string hint_at_untagged(const std::vector<mesh::Patch>& patches, const std::vector<int>& assigned,
+                             const geometry::SurfaceSet& surfaces, int surface) {
+  const auto untagged = mesh::find_untagged(patches);
+  if (untagged == patches.size() || assigned[untagged] >= 0) return {};
+  const auto& patch = patches[untagged].name;
+  auto text = fmt::format("; for the faces without a tag, '{}': --tie {}={}", patch, patch, surfaces.name[at(surface)]);
+  // only the parts that are called as patches are known here
+  if (dynamic_cast<const geometry::Triangulated*>(surfaces.get(surface)) != nullptr)
+    text += fmt::format(", or --kind {}=patch where a part of its file is called so", patch);
+  return text;
+}
+
 /// The surfaces that the patches are to lie on: index of the surface by patch, -1 where nothing is asked for. Of the
 /// first `n_described` the names of parts count, too.
 std::vector<int> assigned_surfaces(const mesh::MeshInfo& info, const geometry::SurfaceSet& surfaces,
@@ -79,10 +92,10 @@ std::vector<int> assigned_surfaces(const mesh::MeshInfo& info, const geometry::S
   assign_by_parts(patches, surfaces, n_described, result);
   for (int i = 0; i < surfaces.size(); ++i)
     if (std::find(result.begin(), result.end(), i) == result.end())
-      throw Error(
-          fmt::format("{}: surface \"{}\": expected a patch that lies on it (of the same name, or by --tie), "
-                      "found none",
-                      surfaces.described_at[static_cast<std::size_t>(i)], surfaces.name[static_cast<std::size_t>(i)]));
+      throw Error(fmt::format(
+          "{}: surface \"{}\": expected a patch that lies on it (of the same name, or by --tie), "
+          "found none{}",
+          surfaces.described_at[at(i)], surfaces.name[at(i)], hint_at_untagged(patches, result, surfaces, i)));
   return result;
 }
 

@@ -113,9 +113,11 @@ nlohmann::json to_json(const check::QualityReport& report) {
   }
   if (!report.regions.empty()) json["regions"] = to_json(report.regions);
   json["violations"] = nlohmann::json::array();
-  for (const auto& violation : report.violations)
-    json["violations"].push_back(
-        {{"invariant", violation.invariant}, {"count", violation.count}, {"where", violation.where}});
+  for (const auto& violation : report.violations) {
+    auto& entry = json["violations"].emplace_back();
+    entry = {{"invariant", violation.invariant}, {"count", violation.count}};
+    if (violation.where != invalid_global) entry["where"] = violation.where;
+  }
   for (const auto& m : report.metrics) json[m.name] = to_json(m);
   return json;
 }
@@ -192,8 +194,8 @@ std::vector<std::string> table_of(const std::vector<NamedReport>& reports) {
 std::vector<std::string> faults_of(const NamedReport& named) {
   std::vector<std::string> lines;
   for (const auto& violation : named.report.violations)
-    lines.push_back(fmt::format("{}: invariant {} is broken {}, the first at {}", named.file, violation.invariant,
-                                counted(violation.count, "time", "times"), violation.where));
+    lines.push_back(fmt::format("{}: invariant {} is broken {}{}", named.file, violation.invariant,
+                                counted(violation.count, "time", "times"), validate::text_of_place(violation)));
   if (named.report.inverted_cells > 0)
     lines.push_back(named.file + ": " + counted(named.report.inverted_cells, "cell", "cells") +
                     " without positive volume");

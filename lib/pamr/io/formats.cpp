@@ -104,6 +104,7 @@ const std::vector<Format> table{
      .has_fields = true,
      .has_regions = true,
      .has_empty_patches = true,
+     .has_untagged_name = true,
      .has_second_order = true},
     {.name = "legacy VTK",
      .endings = {".vtk"},
@@ -181,6 +182,7 @@ const std::vector<Format> table{
      .has_region_names = true,
      .has_groups = true,
      .has_empty_patches = true,
+     .has_untagged_name = true,
      .kinds = {"wall", "symmetry", "symmetryPlane"}},
 };
 

@@ -64,6 +64,7 @@ struct Format {
   bool has_groups = false;                                ///< `mesh::Group`, of patches on the boundary
   bool has_groups_inside = false;                         ///< also of regions and of patches inside alone
   bool has_empty_patches = false;                         ///< keeps patches without faces
+  bool has_untagged_name = false;                         ///< also that of faces without a tag, by its name
   std::vector<std::string_view> kinds = {};               ///< of patches on the boundary that it has a place for
   bool has_interfaces = false, has_second_order = false;  ///< can be written with these
   bool has_text = false;                                  ///< `GmshWriteOptions` hold

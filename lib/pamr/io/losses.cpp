@@ -112,7 +112,7 @@ std::string text_of_words(const par::Comm& comm, const Format& format, const mes
   if (!format.has_empty_patches) {
     const auto n_faces = count_faces(comm, mesh);
     for (std::size_t p = 0; p < n_faces.size(); ++p)
-      if (n_faces[p] == 0) empty.push_back(in_quotes(info.patches[p].name));
+      if (n_faces[p] == 0 && !mesh::is_untagged(info.patches[p])) empty.push_back(in_quotes(info.patches[p].name));
     if (!empty.empty())
       lost.push_back(fmt::format("{} ({})", counted(std::ssize(empty), "patch without faces", "patches without faces"),
                                  list(empty)));
@@ -191,6 +191,10 @@ std::string text_of_lost_history(const par::Comm& comm, const Format& format, co
   const auto n_refined = comm.sum(std::count_if(mesh.lineage.begin(), mesh.lineage.end(),
                                                 [](mesh::Lineage lineage) { return lineage != mesh::Lineage{}; }));
   if (n_refined > 0) lost.push_back("levels and families of " + counted(n_refined, "refined cell", "refined cells"));
+  if (const auto untagged = mesh::find_untagged(patches);
+      untagged < patches.size() && !format.has_untagged_name && mesh::count_untagged_faces(comm, mesh) == 0)
+    lost.push_back(
+        fmt::format("the patch {} for faces without a tag, which has none", in_quotes(patches[untagged].name)));
   const auto n_on_surfaces =
       std::count_if(patches.begin(), patches.end(), [](const mesh::Patch& patch) { return patch.surface >= 0; });
   if (n_on_surfaces > 0) lost.push_back("surfaces of " + counted(n_on_surfaces, "patch", "patches"));

@@ -39,12 +39,14 @@ inline constexpr std::array<const char*, 19> invariant_name{
     "untagged_outside",   "neighbors_reciprocal", "conforming",       "border_matches",   "families_whole",
     "unique_nodes",       "shared_nodes_equal",   "nodes_referenced", "boundary_manifold"};
 
-/// What this rank found: how often each invariant is broken, and the smallest place.
+/// What this rank found: how often each invariant is broken, and the smallest place, `nowhere` where none is known.
 struct Findings {
+  static constexpr GlobalId nowhere = std::numeric_limits<GlobalId>::max();
+
   std::array<std::int64_t, invariant_name.size()> count{};
   std::array<GlobalId, invariant_name.size()> where{};
 
-  Findings() { where.fill(std::numeric_limits<GlobalId>::max()); }
+  Findings() { where.fill(nowhere); }
   void add(Invariant invariant, GlobalId place, std::int64_t times = 1) {
     const auto i = static_cast<std::size_t>(invariant);
     count[i] += times;

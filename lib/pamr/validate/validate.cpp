@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <limits>
 
 #include "pamr/base/counted.hpp"
@@ -53,7 +54,7 @@ void check_ids(const mesh::DistMesh& mesh, Findings& findings) {
       findings.add(Invariant::cells_ascend, number_of(mesh, c));
   }
   for (const auto id : mesh.node_global)
-    if (!mesh.info.node_ids().contains(id)) findings.add(Invariant::ids_in_range, -1);
+    if (!mesh.info.node_ids().contains(id)) findings.add(Invariant::ids_in_range, Findings::nowhere);
   for (std::size_t k = 0; k < mesh.border_face.size(); ++k) {
     const auto face = mesh.border_face[k];
     if (face.cell < 0 || face.cell >= mesh.n_cells() || face.slot < 0 || face.slot > 3 ||
@@ -66,7 +67,7 @@ void check_fields(const std::vector<mesh::Field>& fields, std::size_t n, Finding
   for (const auto& field : fields) {
     const auto size = std::visit([](const auto& values) { return values.size(); }, field.value);
     if (field.n_components < 1 || size != n * static_cast<std::size_t>(field.n_components))
-      findings.add(Invariant::fields_sized, -1);
+      findings.add(Invariant::fields_sized, Findings::nowhere);
   }
 }
 
@@ -78,11 +79,11 @@ void check_structure(const mesh::DistMesh& mesh, Rank rank, Rank size, Findings&
   check_fields(mesh.node_fields, n_nodes, findings);
   const auto& patches = mesh.info.patches;
   if (const auto n = std::count_if(patches.begin(), patches.end(), mesh::is_untagged); rank == 0 && n > 1)
-    findings.add(Invariant::untagged_outside, -1, n - 1);
+    findings.add(Invariant::untagged_outside, Findings::nowhere, n - 1);
   if (mesh.cell_to_cell.size() != n_cells || mesh.cell_global.size() != n_cells || mesh.lineage.size() != n_cells ||
       (!mesh.cell_origin.empty() && mesh.cell_origin.size() != n_cells) || mesh.node_global.size() != n_nodes ||
       !border_fits(mesh, rank, size))
-    findings.add(Invariant::ids_in_range, -1);
+    findings.add(Invariant::ids_in_range, Findings::nowhere);
   else
     check_ids(mesh, findings);
 }
@@ -126,23 +127,32 @@ std::vector<Violation> validate(const par::Comm& comm, const mesh::DistMesh& mes
   comm.sum_in_place(found.count);
   std::vector<Violation> violations;
   for (std::size_t i = 0; i < found.count.size(); ++i)
-    if (found.count[i] != 0) violations.push_back({invariant_name[i], found.count[i], comm.min(found.where[i])});
+    if (found.count[i] != 0) {
+      const auto where = comm.min(found.where[i]);
+      violations.push_back({invariant_name[i], found.count[i], where == Findings::nowhere ? invalid_global : where});
+    }
   return violations;
+}
+
+std::string text_of_place(const Violation& violation) {
+  constexpr std::array<std::string_view, 4> of_nodes{"finite_coordinates", "unique_nodes", "shared_nodes_equal",
+                                                     "nodes_referenced"};
+  if (violation.where == invalid_global) return {};
+  const bool is_node = std::find(of_nodes.begin(), of_nodes.end(), violation.invariant) != of_nodes.end();
+  return fmt::format(", first at {} {}", is_node ? "node" : "cell", violation.where);
 }
 
 void require_valid(const par::Comm& comm, const mesh::DistMesh& mesh, const std::string& what) {
   const auto violations = validate(comm, mesh);
   if (violations.empty()) return;
   const auto& first = violations.front();
-  const bool at_node = first.invariant == "finite_coordinates" || first.invariant == "unique_nodes" ||
-                       first.invariant == "shared_nodes_equal" || first.invariant == "nodes_referenced";
   auto text = what + ": ";
   if (first.invariant == invariant_name[at(static_cast<int>(Invariant::untagged_outside))])
     text += text_of_untagged(mesh.info, first.count);
   else
     text += fmt::format("expected a valid mesh, found `{}` broken {}", first.invariant,
                         counted(first.count, "time", "times"));
-  if (first.where >= 0) text += fmt::format(", first at {} {}", at_node ? "node" : "cell", first.where);
+  text += text_of_place(first);
   if (first.invariant == "boundary_manifold")
     text += " (the boundary touches itself in an edge, where four of its faces meet)";
   const auto more = violations.size() - 1;

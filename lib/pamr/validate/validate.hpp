@@ -11,7 +11,8 @@
 namespace pamr::validate {
 
 /// One broken invariant: its name, how often it is broken over all ranks, and the smallest global cell (node where the
-/// name says so) where it is.
+/// name says so) where it is, if there is one: `ids_in_range`, `fields_sized`, `inner_patches_agree` and two patches of
+/// kind `untagged` may have none.
 struct Violation {
   std::string invariant;
   std::int64_t count = 0;
@@ -47,6 +48,9 @@ struct Violation {
 /// Collective. Cost: O(cells log(faces at a node)) time, 16 bytes a cell of memory in addition to the mesh; exchanges
 /// of 16 bytes a node, and proportional to the rank border and to the boundary.
 std::vector<Violation> validate(const par::Comm& comm, const mesh::DistMesh& mesh);
+
+/// ", first at cell 5", or a node; empty for one without a place.
+std::string text_of_place(const Violation& violation);
 
 /// Throws `Error` naming the first violation, where it is (of `untagged_outside` the patches), and `what`, the same on
 /// every rank. Collective.

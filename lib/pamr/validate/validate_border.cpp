@@ -79,7 +79,7 @@ void check_inner_patches(const par::Comm& comm, const mesh::DistMesh& mesh, Find
   const auto* field = mesh.find_cell_field(mesh::inner_patch_field);
   if (!comm.any(field != nullptr)) return;
   const bool is_sound = field != nullptr && field->holds_integers() && field->integer().size() == at(mesh.n_cells());
-  if (!is_sound) findings.add(Invariant::inner_patches_agree, -1);
+  if (!is_sound) findings.add(Invariant::inner_patches_agree, Findings::nowhere);
   if (comm.any(!is_sound)) return;
   const mesh::InnerPatches inner(mesh);
   inner.for_each([&](mesh::CellFace face, int patch) {
@@ -95,7 +95,7 @@ void check_inner_patches(const par::Comm& comm, const mesh::DistMesh& mesh, Find
   });
   const bool sides_agree = mesh::border_agrees(
       comm, mesh, [&](std::size_t k, bool) { return static_cast<std::uint64_t>(inner.of(mesh.border_face[k]) + 1); });
-  if (!sides_agree) findings.add(Invariant::inner_patches_agree, -1);
+  if (!sides_agree) findings.add(Invariant::inner_patches_agree, Findings::nowhere);
 }
 
 }  // namespace pamr::validate

@@ -97,15 +97,26 @@ TEST_F(Validate, FindsNumbersOutOfRange) {
 
   mesh_ = valid;
   at_cell(42, [&](std::size_t) { mesh_.node_global[0] = -5; });
-  expect_broken("ids_in_range", 1, -1);
+  expect_broken("ids_in_range", 1, invalid_global);
 
   mesh_ = valid;
   at_cell(43, [&](std::size_t) { mesh_.lineage.pop_back(); });
-  expect_broken("ids_in_range", 1, -1);
+  expect_broken("ids_in_range", 1, invalid_global);
 
   mesh_ = valid;
   mesh_.border_offset.push_back(0);
-  expect_broken("ids_in_range", comm_.size(), -1);
+  expect_broken("ids_in_range", comm_.size(), invalid_global);
+
+  at_cell(44, [&](std::size_t c) { mesh_.cell_to_node[c][2] = mesh_.n_nodes(); });
+  mesh_.border_offset.pop_back();
+  at_cell(45, [&](std::size_t) { mesh_.node_global[0] = -5; });
+  expect_broken("ids_in_range", 2, 44);
+}
+
+TEST_F(Validate, SaysTheKindOfAPlaceAndNothingWhereThereIsNone) {
+  EXPECT_EQ(text_of_place({"not_flat", 2, 7}), ", first at cell 7");
+  EXPECT_EQ(text_of_place({"unique_nodes", 1, 0}), ", first at node 0");
+  EXPECT_EQ(text_of_place({"fields_sized", 1, invalid_global}), "");
 }
 
 TEST_F(Validate, FindsCellsThatDoNotAscend) {
@@ -138,7 +149,7 @@ TEST_F(Validate, FindsFieldsOfTheWrongLength) {
       {"u", "K", 2, mesh::StorageType::float64, std::vector<double>(mesh_.lineage.size(), 0.0)});
   mesh_.node_fields.push_back({"v", "K", 0, mesh::StorageType::float64, std::vector<double>{}});
 
-  expect_broken("fields_sized", 2 * comm_.size(), -1);
+  expect_broken("fields_sized", 2 * comm_.size(), invalid_global);
 }
 
 TEST_F(Validate, FindsCoordinatesThatAreNotFinite) {
