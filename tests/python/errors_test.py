@@ -48,7 +48,7 @@ def test_arrays_of_the_wrong_shape_or_type():
 
 def test_one_patch_of_faces_without_a_tag_on_the_boundary_alone():
     names = {1: ("a", "untagged"), 2: ("b", "untagged")}
-    assert make(names={1: names[1]}).patches == ["a"]
+    assert make(names={1: names[1]}).patches == ["a"] and make(names={1: "boundary"}).patches == ["boundary", "boundary_2"]
     expect("expected at most one patch of kind 'untagged', found 'a' and 'b'", lambda: make(tags=(1, 2), names=names))
     expect("alone in a patch of kind 'untagged', found 1 inside in 'a'", lambda: make(triangles=[[0, 3, 7]], tags=[1], names={1: names[1]}))
 

@@ -129,6 +129,27 @@ def test_a_patch_for_them_without_a_face_is_left_out_with_a_note():
         assert "without faces" not in told, (name, told)
 
 
+def test_triangles_beside_no_neighbors_leave_the_rest_without_a_tag():
+    """As a solver may write a native file, also where a patch of its own is called so."""
+    run("pamr-convert", gmsh_file("part.msh"), "part.hdf", "--quiet")
+    for old, new, rest in (("side", "side", "boundary"), ("side", "boundary", "boundary_2")):
+        shutil.copy("part.hdf", "solver.hdf")
+        with h5py.File("solver.hdf", "r+") as file:
+            points, patches = file["VTKHDF/Points"][:], file["PAMR/patches"]
+            number = {tuple(p): i for i, p in enumerate(points.tolist())}
+            for of in list(patches):
+                del patches[of]
+            patches.create_dataset("names", data=["floor", new], dtype=h5py.string_dtype())
+            rows = [[number[tuple(NODES[n])] for n in face] for face in FLOOR + SIDE]
+            file["PAMR/boundary/triangles"], file["PAMR/boundary/patch"] = np.array(rows), np.array([0, 0, 1, 1], "i4")
+            del file["PAMR/cell_to_cell"], file["PAMR/checksums"]
+        told = run("pamr-convert", "solver.hdf", "back.hdf", "--force", "--json", "-")
+        assert patches_of("back.hdf") == {"floor": ("", 2), new: ("", 2), rest: ("untagged", 8)}, patches_of("back.hdf")
+        assert told.json["untagged_faces"] == 8, told.json
+        refined("solver.hdf", "fine.hdf")
+        assert patches_of("fine.hdf") == {"floor": ("", 8), new: ("", 8), rest: ("untagged", 32)}, patches_of("fine.hdf")
+
+
 def test_a_mesh_without_any_tag_gets_none():
     kuhn_cube("cube.hdf", 1)
     bare_copy("cube.hdf", "bare.hdf")
@@ -227,4 +248,5 @@ def test_the_last_kind_of_a_patch_counts():
         assert numbers == after["PAMR/patches/numbers"][:].tolist() and max(numbers) > 0, numbers
 
 
-run_tests(globals(), on_ranks=(test_the_same_on_any_number_of_ranks_and_after_coarsening,))
+run_tests(globals(), on_ranks=(test_the_same_on_any_number_of_ranks_and_after_coarsening,
+                              test_triangles_beside_no_neighbors_leave_the_rest_without_a_tag))

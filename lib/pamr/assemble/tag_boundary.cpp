@@ -266,12 +266,9 @@ BoundaryMatch match_boundary(const par::Comm& comm, mesh::DistMesh& mesh, const 
 
 void tag_boundary(const par::Comm& comm, mesh::DistMesh& mesh, const mesh::BoundaryTriangles& triangles) {
   auto& patches = mesh.info.patches;
-  auto rest = std::find_if(patches.begin(), patches.end(), mesh::is_untagged);
-  if (rest == patches.end())
-    rest = std::find_if(patches.begin(), patches.end(), [](const auto& patch) { return patch.name == "boundary"; });
-  const auto untagged = static_cast<int>(rest - patches.begin());
-  const bool is_new = rest == patches.end();
-  const auto match = match_boundary(comm, mesh, triangles, untagged);
+  const auto untagged = mesh::find_untagged(patches);
+  const bool is_new = untagged == patches.size();
+  const auto match = match_boundary(comm, mesh, triangles, static_cast<int>(untagged));
   if (match.first_misfit) refuse(comm, mesh, triangles, *match.first_misfit);
   require_one_patch(mesh.info, match);
   if (match.n_untagged > 0 && is_new) patches.push_back(mesh::untagged_patch(patches));

@@ -22,9 +22,9 @@ struct BlockMesh {
   GlobalId first_cell = 0;
   std::vector<std::array<GlobalId, 4>> cell_to_node;  ///< n x 4, global
   std::vector<std::array<GlobalId, 4>> cell_to_cell;  ///< n x 4, global or -(patch+1); empty on every rank: to be built
-  /// Which patches faces of the boundary and inner faces belong to, where neighbors are to be built; faces without a triangle then
-  /// get the patch `boundary`. Beside neighbors it has to agree with them. Empty on every rank: see
-  /// `assemble::assemble`.
+  /// Which patches faces of the boundary and inner faces belong to, where neighbors are to be built; faces of the
+  /// boundary without a triangle then get the patch of kind `untagged` (`mesh/untagged_patch.hpp`). Beside neighbors it
+  /// has to agree with them. Empty on every rank: see `assemble::assemble`.
   BoundaryTriangles boundary;
   std::vector<Lineage> lineage;               ///< n, or empty on every rank: all regular, level 0
   std::vector<GlobalId> cell_origin;          ///< n: numbers in the file; empty on every rank: as they lie here

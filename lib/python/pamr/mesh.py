@@ -114,7 +114,8 @@ class Mesh:
         points: n x 3 floats. Their numbers run over the ranks: rank 0 has the first ones, and so on (none is fine).
         cells: m x 4 integers, numbers of points in the whole mesh; any cells on any rank, of positive volume (``cells``).
         boundary: triangles (t x 3 numbers of points) and their tags (t integers), on any ranks, in any order, of faces on the
-            boundary or inside. Faces of the boundary without a triangle form the patch "boundary".
+            boundary or inside. Faces of the boundary without a triangle form the patch "boundary" ("boundary_2" beside one of
+            that name) of kind "untagged".
         names: of the tags: {tag: name} or {tag: (name, kind)}, the same on every rank; otherwise "patch_TAG".
         cell_fields, node_fields: {name: values} for the cells and the points given here.
         order: put cells and nodes along a space-filling curve: "auto" (where it pays), "curve", "keep". ``cell_origin`` and

@@ -110,18 +110,23 @@ TEST(TagBoundary, IsCarriedAlongTheCurveAndWithOtherFirstNumbers) {
   EXPECT_EQ(mesh::fingerprint(comm, assemble(comm, ordered.block)), expected);
 }
 
-TEST(TagBoundary, PutsFacesWithoutTriangleIntoThePatchBoundary) {
+TEST(TagBoundary, PutsFacesWithoutTriangleIntoAPatchOfTheirOwn) {
   const par::Comm comm(MPI_COMM_WORLD);
   const auto block = cube_with(comm, {{{0, 3, 1}, 4}, {{2, 0, 3}, 4}});
 
   const auto added = assemble(comm, block);
   auto named = block;
-  named.info.patches[2].name = "boundary";
+  named.info.patches[4].name = "boundary";
+  const auto beside = assemble(comm, named);
+  named.info.patches[2].kind = mesh::untagged_kind;
   const auto found = assemble(comm, named);
 
   ASSERT_EQ(added.info.patches.size(), 7U);
   EXPECT_EQ(added.info.patches[6], mesh::untagged_patch({}));
   EXPECT_THAT(faces_of_patches(comm, added), testing::ElementsAre(0, 0, 0, 0, 2, 0, 10));
+  ASSERT_EQ(beside.info.patches.size(), 7U);
+  EXPECT_EQ(beside.info.patches[6], mesh::untagged_patch(named.info.patches));
+  EXPECT_EQ(faces_of_patches(comm, beside), faces_of_patches(comm, added));
   EXPECT_THAT(faces_of_patches(comm, found), testing::ElementsAre(0, 0, 10, 0, 2, 0));
 }
 
