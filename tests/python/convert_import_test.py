@@ -582,6 +582,14 @@ def shape_of(mesh):
     return sorted(cells), sorted((min(f for q, f in patches if q == p), face) for p, face in patches)
 
 
+def faces_by_number(mesh):
+    """Faces of each patch by its number, -1 for those without a tag; those inside count once."""
+    inside = mesh.inner_faces()
+    patches = np.concatenate([mesh.boundary_faces().patches, inside.patches[inside.first]])
+    counts = COMM.allreduce(np.bincount(patches, minlength=len(mesh.patches)))
+    return dict(zip(mesh.patch_numbers, counts.tolist()))
+
+
 def only_on_first(array):
     return array if COMM.rank == 0 else array[:0]
 
@@ -615,6 +623,18 @@ def test_files_arrays_and_meshio_give_the_same_mesh_and_words():
     assert [text[:30] for text in first[1]] == ["1 node of no cell was left out", "2 boundary faces without tag a"]
     assert all(one == first for one in found.values()), found
     points, cells, region, triangles, tags = arrays
+    numbered = points, cells, region, triangles, np.array([7, 7, 12, 12, 9])
+    for way, call in every_way(numbered).items():
+        mesh, _ = told_by(call)
+        assert faces_by_number(mesh) == {7: 2, 12: 2, 9: 1, -1: 2}, (way, faces_by_number(mesh))
+        for name in ("back.msh", "back.mesh", "back.hdf", "back.vtu", "back.cgns"):
+            told_by(lambda: mesh.write(name))
+            back, told = told_by(lambda: pamr.Mesh.read(COMM, name))
+            assert ("2 boundary faces without tag are in the patch 'boundary'" in " ".join(told)) == (name != "back.hdf"), (way, name, told)
+            if name not in ("back.vtu", "back.cgns"):  # which have names, but no numbers
+                assert faces_by_number(back) == {7: 2, 12: 2, 9: 1, -1: 2}, (way, name, faces_by_number(back))
+            if name != "back.mesh":  # which has numbers, but no names
+                assert shape_of(back) == shape_of(mesh) and sorted(back.patches) == sorted(mesh.patches), (way, name, back.patches)
     apart = points, cells, region, np.vstack([triangles[:-1], [[0, 1, 4]]]), tags  # of two cells that have no such face
     twice = points, cells, region, np.vstack([triangles, triangles[:1, ::-1]]), np.append(tags, 2)
     inverted = points, np.where([[True], [False]], cells[:, [1, 0, 2, 3]], cells), region, triangles, tags

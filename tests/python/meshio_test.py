@@ -157,6 +157,29 @@ def test_cell_sets_are_patches_and_regions():
     assert mesh.regions == {1: "third"} and COMM.allreduce(int((mesh.cell_fields["region"] == 1).sum())) == 1, mesh.regions
 
 
+@in_folder
+def test_cell_sets_of_the_boundary_and_inside_come_back_from_files():
+    import meshio
+    triangles = np.concatenate([FLOOR, [[0, 3, 7]]])  # the last one is inside
+    sets = {"7": [[0, 1], []], "sheet 12": [[2], []], "gas": [[], np.arange(6)]}
+    mesh, told = taken(meshio.Mesh(POINTS, [("triangle", triangles), ("tetra", CELLS)], cell_sets=sets))
+    expected = {"7": 2, "sheet 12": 0, "boundary": 10}
+    assert faces_of(mesh) == expected and told == [], (faces_of(mesh), told)
+    assert COMM.allreduce(int(mesh.inner_faces().first.sum())) == 1
+    for name in ("sets.msh", "sets.vtu", "sets.cgns", "sets.hdf"):
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            mesh.write(name)
+            back = pamr.Mesh.read(COMM, name)
+        assert faces_of(back) == expected and COMM.allreduce(int(back.inner_faces().first.sum())) == 1, (name, faces_of(back))
+        assert [kind for _, kind, _ in back._core.patches] == ["untagged" if patch == "boundary" else "" for patch in back.patches], name
+    with warnings.catch_warnings():  # Medit has numbers alone: sets have the lowest ones, in their order
+        warnings.simplefilter("ignore")
+        mesh.write("sets.mesh")
+        back = pamr.Mesh.read(COMM, "sets.mesh")
+    assert faces_of(back) == {"ref_1": 2, "ref_2": 0, "boundary": 10}, faces_of(back)
+
+
 def test_cell_sets_are_masks_or_numbers_within_their_blocks():
     import meshio
     given = meshio.Mesh(POINTS, [("triangle", FLOOR[:1]), ("triangle", FLOOR[1:]), ("tetra", CELLS)])

@@ -178,6 +178,35 @@ def test_the_same_on_any_number_of_ranks_and_after_coarsening():
     assert patches_of("back.hdf") == patches_of("part.hdf") and patches_of("back.hdf")["boundary"] == ("untagged", 8)
 
 
+def test_native_files_of_older_formats_have_them_and_numbers_but_nothing_inside():
+    run("pamr-convert", gmsh_file("part.msh"), "part.hdf", "--quiet")
+    for number, written in ((1, 1), (2, 2), (3, 2)):
+        run("pamr-convert", "part.hdf", "old.hdf", "--format", number, "--force", "--quiet", serial=True)
+        refined("old.hdf", "fine.hdf")
+        run("pamr-refine", "marked.hdf", "-o", "serial.hdf", "--force", "--quiet", serial=True)
+        assert same_bytes("fine.hdf", "serial.hdf"), number
+        with h5py.File("old.hdf") as old, h5py.File("fine.hdf") as fine:
+            assert old["PAMR"].attrs["format"] == written, number
+            numbers = [file["PAMR/patches/numbers"][:].tolist() for file in (old, fine)]
+        assert numbers == [[4, 7, -1]] * 2, numbers
+        assert patches_of("old.hdf") == patches_of("part.hdf")
+        assert patches_of("fine.hdf") == {"floor": ("", 8), "side": ("", 8), "boundary": ("untagged", 32)}, patches_of("fine.hdf")
+    run("pamr-convert", gmsh_file("sheet.msh", sheet=[[0, 3, 7]]), "sheet.hdf", "--quiet")
+    for number in (1, 2, 3):
+        refuses("pamr-convert", "sheet.hdf", "no.hdf", "--format", number, says=["expected 4"], creates="no.hdf")
+    # of format 3 are files with a map of level 0
+    run("pamr-mesh", "--shape", "sphere-in-box", "--size", "0.6", "-o", "ball.hdf", "--quiet", serial=True)
+    run("pamr-convert", "ball.hdf", "rest.hdf", "--kind", "box=untagged", "--quiet", serial=True)
+    refined("rest.hdf", "map.hdf")
+    with h5py.File("map.hdf") as file:
+        assert file["PAMR"].attrs["format"] == 3 and "level0" in file["PAMR"]
+    kinds = {name: kind for name, (kind, _) in patches_of("map.hdf").items()}
+    assert [name for name, kind in kinds.items() if kind == "untagged"] == ["box"], kinds
+    told = run("pamr-convert", "map.hdf", "map.msh", serial=True).err
+    back = run("pamr-convert", "map.msh", "back.hdf", "--force", "--json", "-", serial=True).json
+    assert back["untagged_faces"] == patches_of("map.hdf")["box"][1] and "'box'" not in told, (back, told)
+
+
 def test_there_is_one_patch_of_them_and_none_inside():
     run("pamr-convert", gmsh_file("part.msh", sheet=[[0, 3, 7]]), "part.hdf", "--quiet")
     run("pamr-convert", "part.hdf", "part.vtu", "--quiet")
@@ -249,4 +278,5 @@ def test_the_last_kind_of_a_patch_counts():
 
 
 run_tests(globals(), on_ranks=(test_the_same_on_any_number_of_ranks_and_after_coarsening,
-                              test_triangles_beside_no_neighbors_leave_the_rest_without_a_tag))
+                              test_triangles_beside_no_neighbors_leave_the_rest_without_a_tag,
+                              test_native_files_of_older_formats_have_them_and_numbers_but_nothing_inside))

@@ -39,9 +39,9 @@ struct BoundaryMatch {
 BoundaryMatch match_boundary(const par::Comm& comm, mesh::DistMesh& mesh, const mesh::BoundaryTriangles& triangles,
                              std::optional<int> untagged);
 
-/// The same for the triangles of a block. Boundary faces without triangle are put into the patch of kind
-/// `untagged`, which is made if there is none. Throws `Error` on every rank, naming the triangle, if one is no face of a cell or two patches
-/// claim a face. Collective.
+/// The same for the triangles of a block. Boundary faces without triangle are put into the patch of kind `untagged`,
+/// which is made if there is none. Throws `Error` on every rank, naming the triangle, if one is no face of a cell or
+/// two patches claim a face. Collective.
 void tag_boundary(const par::Comm& comm, mesh::DistMesh& mesh, const mesh::BoundaryTriangles& triangles);
 
 /// Throws `Error` on every rank, naming the triangle, unless they agree with the patches that the faces have; faces inside
