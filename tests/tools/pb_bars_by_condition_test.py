@@ -3,15 +3,18 @@
 
     tests/tools/pb_bars_by_condition_test.py $PWD/build/release/bin 1
 
-prints the table. Potentials, charges and sites between plates and between spheres, whose truths are integrals in one dimension, and charged
-balls in a shell, with multipoles.
+prints the table. Potentials, charges and sites between plates and between spheres, whose truths are integrals in one dimension, charged
+balls in a shell, with multipoles, and ellipsoids, a torus and two balls as one body, with spectral elements in two dimensions.
 """
 import json
 import math
 import pathlib
 import statistics
 
-from pb_cases import PH, SALT, balls_in_a_shell, between, boundary, cell, cube, quarter_of_balls, wall
+import numpy as np
+
+from pb_around_an_axis import around, ellipsoid, torus, two_balls
+from pb_cases import PH, SALT, ball, balls_in_a_shell, between, boundary, cell, cube, part_of_shell, wall
 from tool_run import run, run_tests
 
 ACID, BASE = ("acid", 4.0, 5.0), ("base", 2.0, 7.0)
@@ -23,6 +26,13 @@ SPHERES = [(("potential", 1), ("potential", 0.5)), (("potential", 2), ("potentia
            (ACID, ("potential", 0.5)), (BASE, ("acid", 3.0, 6.0)), (("potential", 1), BASE)]
 
 BALLS = [([(0.4, 0.8, 0.5)], 2.0), ([(-0.9, 0.7, 1.0), (0.9, 0.5, -0.5)], 2.5)]  # x, radius, charge; radius of the shell
+
+SHELL = 2.2
+HALF_AXES = ((0.5, 1.0), (1.2, 0.6))  # along the axis of revolution, x, and across it
+RING = (1.0, 0.4)
+PAIRS = ([(-0.5, 0.8), (0.5, 0.8)], [(-0.5, 0.8), (0.5, 0.6)])  # place along the axis and radius of balls that overlap
+AROUND = [(("charge", 1.0), ("potential", 0.0), True), (("charge", 1.5), ("potential", 0.5), False),
+          (("potential", 1.0), ("charge", 0.5), False)]  # of body and shell, linear or not
 
 
 def stated(condition):
@@ -66,6 +76,46 @@ def quantities_of_balls(order, mesh, balls, shell):
         yield "charge", level, f"{name} of {balls}", value, bar, exact[name] / (4 if name == "energy" else 1)
 
 
+def bodies_of_revolution():
+    """Group, name, surfaces of the patches, mirrors, and the body as `around` takes it."""
+    for along, across in HALF_AXES:
+        surface = {"kind": "quadric", "coefficients": [along ** -2, across ** -2, across ** -2] + [0] * 6 + [-1]}
+        yield "ellipsoids", f"ellipsoid {along} {across}", {"body": surface}, "xyz", ellipsoid(along, across, SHELL)
+    surface = {"kind": "torus", "center": [0, 0, 0], "axis": [1, 0, 0], "major_radius": RING[0], "minor_radius": RING[1]}
+    yield "torus", "torus", {"body": surface}, "xyz", torus(*RING, SHELL)
+    for pair in PAIRS:
+        surfaces = {f"ball_{i}": ball(*of_ball) for i, of_ball in enumerate(pair, 1)}
+        yield "two balls in one", f"balls {pair}", surfaces, "yz", two_balls(pair, SHELL)
+
+
+def quantities_around(order, mesh, name, patches, n_parts, truths):
+    """The same of a body of revolution in a sphere."""
+    for (inner, outer, linear), exact in zip(AROUND, truths):
+        head = (f"[equation]\nlinear = {json.dumps(linear)}\n[solver]\norder = {order}\n"
+                f"[[body]]\nname = \"whole\"\npatches = {json.dumps(patches)}\n")
+        patch, end = ("outer", 1) if inner[0] == "charge" else ("whole", 0)
+        walls = dict.fromkeys(patches, inner) | {"outer": outer}
+        for level, quantity, value, bar in solved(head, patch, ["charge", "energy"], walls, mesh):
+            truth = exact["charge"][end] if quantity == "charge" else exact["energy"] / n_parts
+            yield inner[0], level, f"{quantity} of {name} at {inner} in {outer}", value, bar, truth
+
+
+def test_the_truth_around_an_axis_is_that_of_other_methods():
+    whole = around(ellipsoid(1.0, 1.0, 3.0), ("charge", 1.5), ("potential", 0.5), degree=20)
+    exact = between(("charge", 1.5), ("potential", 0.5), SALT, (1.0, 3.0))
+    assert abs(whole["energy"] / 8 - exact["energy"]) < 1e-8 and np.abs(np.subtract(whole["charge"], exact["charge"])).max() < 1e-8, whole
+    # A ball beside the middle, by multipoles; two equal balls on one another are one.
+    whole = around(two_balls([(0.4, 0.8), (0.4 - 1e-13, 0.8)], 2.0), ("charge", 0.5), ("potential", 0.0), linear=True)
+    exact = balls_in_a_shell([(0.4, 0.8, 0.5)], 2.0)
+    assert abs(whole["energy"] - exact["energy"]) < 1e-8 and abs(whole["charge"][1] - exact["charge"]) < 1e-8, (whole, exact)
+    # Other grids give the same, also where balls meet in an edge.
+    for *_, body in bodies_of_revolution():
+        for inner, outer, linear in AROUND:
+            one, other = (around(body, inner, outer, linear, **more) for more in ({}, {"degree": 8, "n_near": 3}))
+            assert abs(one["energy"] - other["energy"]) < 2e-8 * one["energy"], (inner, one, other)
+            assert np.abs(np.subtract(one["charge"], other["charge"])).max() < 2e-8 * max(np.abs(one["charge"])), (inner, one, other)
+
+
 def test_bars_hold_for_every_condition_in_both_orders():
     rows = {}
 
@@ -83,7 +133,14 @@ def test_bars_hold_for_every_condition_in_both_orders():
                 count(order, shape, quantities(shape, order, mesh, low, high))
     for balls, shell in BALLS:
         for order, sizes in ((1, (0.12, 0.2)), (2, (0.25, 0.6))):
-            count(order, "balls", quantities_of_balls(order, quarter_of_balls(f"balls_{order}.hdf", balls, shell, sizes), balls, shell))
+            bodies = {f"ball_{i}": ball(x, radius) for i, (x, radius, _) in enumerate(balls, 1)}
+            mesh = part_of_shell(f"balls_{order}.hdf", bodies, shell, sizes)
+            count(order, "balls", quantities_of_balls(order, mesh, balls, shell))
+    for group, name, surfaces, mirrors, body in bodies_of_revolution():
+        truths = [around(body, *walls) for walls in AROUND]
+        for order, sizes in ((1, (0.12, 0.2)), (2, (0.25, 0.6))):
+            mesh = part_of_shell(f"around_{order}.hdf", surfaces, SHELL, sizes, mirrors)
+            count(order, group, quantities_around(order, mesh, name, list(surfaces), 2 ** len(mirrors), truths))
     print("| order | walls | given | mesh | quantities | without a bar | held | median bar/error |\n|---|---|---|---|---|---|---|---|")
     total = {}
     for (order, shape, kind, level), found in sorted(rows.items()):

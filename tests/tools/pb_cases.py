@@ -200,17 +200,23 @@ def cell(name, sphere, far):
     return name
 
 
-def quarter_of_balls(name, balls, shell, sizes):
-    """A mesh of what is between balls (x, radius, density) and the shell, at y > 0 and z > 0; patches ball_1, ..., outer."""
-    names = [f"ball_{i}" for i in range(1, len(balls) + 1)]
-    spheres = [*zip(names, balls), ("outer", (0.0, shell, None))]
-    text = ('[mesh]\nshape = "surfaces"\nlength_unit = "1"\nregion = "-outer & '
-            + "".join(f"+{ball} & " for ball in names) + f'+y & +z"\nbounds = [[-{shell * 1.1}, 0, 0], [{shell * 1.1}, {shell * 1.1}, {shell * 1.1}]]\n'
-            + f"[mesh.sizes]\nfar = {sizes[1]}\nnear = {{ " + ", ".join(f"{ball} = {sizes[0]}" for ball in names) + " }\n")
-    text += "".join(f'[[surface]]\nname = "{ball}"\nkind = "sphere"\ncenter = [{x}, 0, 0]\nradius = {radius}\n'
-                    for ball, (x, radius, _) in spheres)
-    text += "".join(f'[[surface]]\nname = "{axis}"\nkind = "plane"\npoint = [0, 0, 0]\nnormal = {normal}\n'
-                    for axis, normal in (("y", [0, 1, 0]), ("z", [0, 0, 1])))
+def part_of_shell(name, bodies, shell, sizes, mirrors="yz"):
+    """A mesh of what is outside all bodies (patch: kind and parameters of its surface) in the ball of radius `shell` about 0, patch outer.
+
+    Of these coordinates it has the half above 0; sizes are those at the bodies and elsewhere.
+    """
+    surfaces = bodies | {"outer": {"kind": "sphere", "center": [0, 0, 0], "radius": shell}}
+    surfaces |= {axis: {"kind": "plane", "point": [0, 0, 0], "normal": [float(axis == other) for other in "xyz"]} for axis in mirrors}
+    low = [0 if axis in mirrors else -1.1 * shell for axis in "xyz"]
+    text = ('[mesh]\nshape = "surfaces"\nlength_unit = "1"\nregion = "-outer & ' + " & ".join(f"+{patch}" for patch in [*bodies, *mirrors])
+            + f'"\nbounds = [{low}, {[1.1 * shell] * 3}]\n[mesh.sizes]\nfar = {sizes[1]}\nnear = {{ '
+            + ", ".join(f"{body} = {sizes[0]}" for body in bodies) + " }\n")
+    for surface, of_surface in surfaces.items():
+        text += f'[[surface]]\nname = "{surface}"\n' + "".join(f"{key} = {json.dumps(value)}\n" for key, value in of_surface.items())
     pathlib.Path("mesh.toml").write_text(text)
     run("pamr-mesh", "mesh.toml", "-o", name, "--force", "--quiet")
     return name
+
+
+def ball(x, radius):
+    return {"kind": "sphere", "center": [x, 0, 0], "radius": radius}
