@@ -381,6 +381,9 @@ def test_gases_are_found_by_name_and_air_by_its_altitude_and_hot_molecules_are_w
     assert "free stream: n 1.18853e+19 1/m3, T 195.081 K" in hot.err, hot.err
     assert "the total temperature of the free stream is 27978 K" in hot.err and "the hottest cell has " in hot.err, hot.err
     assert hot.err.count("above 2,500 K molecules vibrate and react") == 2 and hot.json["quality"]["max_temperature"] > 2500, hot.err
+    for text, says in ((known.replace("temperature = 500.0", "temperature = 2600.0"), "the wall zmin has 2600 K"),
+                       (known + "[stream.puff]\ndensity = 1e20\ntemperature = 2600.0\n", "the total temperature of stream puff is 2600 K")):
+        assert f"warning: {says}: above 2,500 K" in run("pamr-dsmc", write("warm.toml", text), "--mesh", mesh, "--plan", serial=True).err, says
     mixed = air.replace("altitude = 100e3\n", "altitude = 100e3\nfractions = { N2 = 0.25, O2 = 0.75 }\n")
     assert "species O2: 0.75 of the molecules" in run("pamr-dsmc", write("mixed.toml", mixed), "--mesh", mesh, "--plan", serial=True).out
     free = compute(write("free.toml", air + "[collisions]\nenabled = false\n"), mesh, "free.hdf", "--quiet")

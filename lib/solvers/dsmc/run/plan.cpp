@@ -38,6 +38,24 @@ std::string vibration_text(const Species& s) {
   return text;
 }
 
+/// The first stream with a total temperature, or wall with a temperature, at which the gas `is_hot`, in words.
+std::string hot_part(const Case& c, const Setup& setup, const std::vector<mesh::Patch>& patches) {
+  for (const auto& stream : c.stream) {
+    Gas gas = c.gas;
+    gas.fraction = stream.fraction;
+    const double ratio = gas.heat_ratio(stream.temperature), t = stream.temperature;
+    const double speed = norm(stream.velocity);
+    const double total = t + (ratio - 1) / (2 * ratio) * mean_species(gas).mass * speed * speed / boltzmann;
+    if (is_hot(gas, total))
+      return fmt::format("the total temperature of {} is {:.0f} K",
+                         &stream == &c.stream.front() ? "the free stream" : "stream " + stream.name, total);
+  }
+  for (std::size_t p = 0; p < setup.patch.size(); ++p)
+    if (setup.patch[p].is_wall() && is_hot(c.gas, setup.patch[p].temperature))
+      return fmt::format("the wall {} has {:.0f} K", patches[p].name, setup.patch[p].temperature);
+  return {};
+}
+
 }  // namespace
 
 Plan make_plan(const par::Comm& comm, const Case& c, const Setup& setup, const mesh::DistMesh& mesh,
@@ -53,8 +71,7 @@ Plan make_plan(const par::Comm& comm, const Case& c, const Setup& setup, const m
   const double fast = speed + most_probable_speed(free.temperature, mean.mass);
   plan.mach = speed / std::sqrt(gas.heat_ratio(free.temperature) * boltzmann * free.temperature / mean.mass);
   plan.speed_ratio = speed / most_probable_speed(free.temperature, mean.mass);
-  const double total = free.temperature * (1 + 0.5 * (gas.heat_ratio(free.temperature) - 1) * plan.mach * plan.mach);
-  if (c.collisions.enabled && is_hot(gas, total)) plan.hot_total = total;
+  if (c.collisions.enabled) plan.hot_part = hot_part(c, setup, setup.patches_on(mesh));
   plan.missing_when_hot = missing_when_hot(gas);
   if (free.density > 0) {
     plan.mean_free_path = mean_free_path(mean, free.density, free.temperature);
@@ -97,9 +114,7 @@ std::vector<std::string> warnings_of(const Plan& plan) {
   if (plan.particles_per_cell < 5)
     warnings.push_back(fmt::format("{:.2g} particles a cell in the free stream: below 5 collisions are poorly resolved",
                                    plan.particles_per_cell));
-  if (plan.hot_total)
-    warnings.push_back(fmt::format("the total temperature of the free stream is {:.0f} K: {}", *plan.hot_total,
-                                   plan.missing_when_hot));
+  if (!plan.hot_part.empty()) warnings.push_back(fmt::format("{}: {}", plan.hot_part, plan.missing_when_hot));
   return warnings;
 }
 

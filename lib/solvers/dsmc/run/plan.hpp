@@ -20,9 +20,9 @@ namespace pamr::dsmc {
 struct Plan {
   double mach = 0, speed_ratio = 0, knudsen = 0, reynolds = 0;  ///< on the reference length, of the free stream
   double mean_free_path = 0, collision_time = 0;                ///< m, s
-  std::optional<double> hot_total;  ///< K, total temperature of the free stream, if `is_hot` there
-  std::string missing_when_hot;     ///< the warning about it
-  double particles = 0;             ///< in the domain filled with the free stream
+  std::string hot_part;          ///< the first stream or wall that `is_hot`, in words; empty: none
+  std::string missing_when_hot;  ///< the warning about it
+  double particles = 0;          ///< in the domain filled with the free stream
   double particles_per_cell = 0;
   double particles_at_start = 0;  ///< of the flow that it goes on from, about; 0 where it begins with the case's gas
   double particle_bytes = 0;      ///< that a particle takes, all arrays together
