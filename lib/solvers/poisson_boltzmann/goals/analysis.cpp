@@ -116,7 +116,7 @@ DualError error_by_cubic_dual(const par::Comm& comm, const State& state, const G
   for (std::size_t c = 0; c < functional.squares.size(); ++c)
     error.rest.add_square(c, functional.squares[c], state.cubic->decay()[c]);
   error.correction += functional.remainder + shape_error(comm, state, functional, error);
-  const double bar = error.rest.bar(comm);
+  const double bar = error.rest.bar(comm, find_cells_at_walls(state.problem));
   return {std::move(error.share), error.correction, bar};
 }
 
