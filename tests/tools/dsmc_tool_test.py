@@ -304,6 +304,14 @@ def test_vibration_is_shown_and_goes_on_with_the_same_bytes_and_is_carried():
     for a, c in (("a.hdf", "c.hdf"), ("a.ck", "c.ck"), ("a.csv", "c.csv"), ("a.vtu", "c.vtu")):
         assert same_bytes(a, c), f"{a} differs from {c}"
     temperatures = [float(row["T_vib"]) for row in csv.DictReader(open("a.csv"))]
+    for row in csv.DictReader(open("a.csv")):
+        for way in ("out", "in"):
+            parts = [float(row[f"xmin:{species}:{way}_per_s"]) for species in ("N2", "CO2")]
+            assert all(part > 0 for part in parts) and abs(sum(parts) / float(row[f"xmin:{way}_per_s"]) - 1) < 1e-7, row
+    net = whole.json["fluxes"]["planes"]["disk"]["species"]["CO2"]["net"]["molecules"]
+    lines = whole.err.splitlines()
+    at = next(i for i, line in enumerate(lines) if line.startswith("plane disk: "))
+    assert lines[at + 1].startswith("  CO2: ") and lines[at + 1].endswith(f", net {net['value']:.4g} +- {net['ci95']:.2g} molecules/s"), lines[at:at + 3]
     assert all(850 < t < 1000 for t in temperatures), temperatures
     with h5py.File("a.hdf") as file:
         fields = {name: file[f"VTKHDF/CellData/{name}"][:] for name in ("T_tr", "T_rot", "T_vib", "T")}

@@ -68,7 +68,8 @@ inline std::unique_ptr<dsmc::Computation> filled(const par::Comm& comm, const ds
 }
 
 inline std::string history_of(const dsmc::Computation& computation) {
-  return to_csv(computation.averaging().state().history, computation.the_case().dt, surfaces_of(computation));
+  return to_csv(computation.averaging().state().history, computation.the_case().dt, surfaces_of(computation),
+                computation.flow().setup().gas.species);
 }
 
 }  // namespace pamr::test

@@ -204,6 +204,7 @@ void Averaging::end_fluxes(Flow& flow, GasContents contents, HistoryRow& row) {
   auto rates = flux_rates(words, setup.gas,
                           {flow.surface.momentum_unit, flow.surface.energy_unit, setup.fnum / setup.dt, row.n_steps});
   row.fluxes = net_fluxes(rates, setup.gas.species.size());
+  row.species = molecules_of_species(rates, setup.gas.species.size());
   if (state_.sampling) state_.flux_blocks.push_back(std::move(rates));
 }
 

@@ -103,7 +103,8 @@ CellResolution write_output(Computation& computation, const OutputFiles& files, 
   if (!files.mesh.empty()) io::write_native(comm, files.mesh, mesh);
   if (!files.surface.empty()) write_walls(comm, files.surface, walls, setup.unit, mesh.info.n_global_cells);
   if (!files.history.empty())
-    write_text(files.history, to_csv(computation.averaging().state().history, c.dt, surfaces_of(computation)));
+    write_text(files.history,
+               to_csv(computation.averaging().state().history, c.dt, surfaces_of(computation), setup.gas.species));
   return resolution;
 }
 

@@ -16,7 +16,8 @@ constexpr std::array<const char*, NetFlux{}.size()> quantities{":out_per_s", ":i
 
 }  // namespace
 
-std::string to_csv(const std::vector<HistoryRow>& history, double dt, const std::vector<std::string>& surfaces) {
+std::string to_csv(const std::vector<HistoryRow>& history, double dt, const std::vector<std::string>& surfaces,
+                   const std::vector<Species>& species) {
   std::string text =
       "step,time,averaged,particles,entered_per_step,left_per_step,wall_hits_per_step,collisions_per_particle_step,"
       "crossings_per_particle_step,C_D,C_L,C_m,C_H,T_tr,T_rot";
@@ -25,6 +26,11 @@ std::string to_csv(const std::vector<HistoryRow>& history, double dt, const std:
   if (vibrates) text += ",T_vib";
   for (const auto& surface : surfaces)
     for (const auto* quantity : quantities) text += "," + csv_field(surface + quantity);
+  const std::size_t n_species = species.size() < 2 ? 0 : species.size();
+  for (const auto& surface : surfaces)
+    for (std::size_t s = 0; s < n_species; ++s)
+      for (std::size_t way = 0; way < 2; ++way)
+        text += "," + csv_field(surface + ":" + species[s].name + quantities[way]);
   text += "\n";
   for (const auto& row : history) {
     const double n = static_cast<double>(row.n_steps),
@@ -39,6 +45,9 @@ std::string to_csv(const std::vector<HistoryRow>& history, double dt, const std:
     for (const auto& flux : row.fluxes)
       for (const double number : flux) text += fmt::format(",{:.9g}", number);
     if (row.fluxes.empty()) text.append(quantities.size() * surfaces.size(), ',');
+    for (const auto& ways : row.species)
+      for (const double number : ways) text += fmt::format(",{:.9g}", number);
+    if (row.species.empty()) text.append(2 * surfaces.size() * n_species, ',');
     text += "\n";
   }
   return text;

@@ -56,4 +56,14 @@ std::vector<NetFlux> net_fluxes(const std::vector<FluxRate>& rates, std::size_t 
   return net;
 }
 
+std::vector<std::array<double, 2>> molecules_of_species(const std::vector<FluxRate>& rates, std::size_t n_species) {
+  std::vector<std::array<double, 2>> molecules;
+  if (n_species < 2) return molecules;
+  for (std::size_t surface = 0; surface < rates.size() / (2 * n_species); ++surface)
+    for (std::size_t s = 0; s < n_species; ++s)
+      molecules.push_back({rates[FluxTally::row_of(surface, s, Way::out, n_species)][0],
+                           rates[FluxTally::row_of(surface, s, Way::in, n_species)][0]});
+  return molecules;
+}
+
 }  // namespace pamr::dsmc

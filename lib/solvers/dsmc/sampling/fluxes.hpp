@@ -41,5 +41,7 @@ SurfaceFlux mean_flux(const std::vector<std::vector<FluxRate>>& blocks, std::siz
 using NetFlux = std::array<double, 6>;
 /// For each surface, all species together. Local.
 std::vector<NetFlux> net_fluxes(const std::vector<FluxRate>& rates, std::size_t n_species);
+/// Molecules a second out and in, of each surface its species; empty for a gas of one species. Local.
+std::vector<std::array<double, 2>> molecules_of_species(const std::vector<FluxRate>& rates, std::size_t n_species);
 
 }  // namespace pamr::dsmc

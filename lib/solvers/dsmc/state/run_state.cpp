@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <iterator>
 #include <nlohmann/json.hpp>
@@ -39,6 +40,8 @@ json row_to_json(const HistoryRow& r) {
                           r.crossings, r.body.drag, r.body.lift, r.body.moment, r.body.heat, r.t_tr, r.t_rot});
   for (const auto& flux : r.fluxes)
     for (const double number : flux) row.push_back(number);
+  for (const auto& ways : r.species)
+    for (const double number : ways) row.push_back(number);
   if (r.t_vib) row.push_back(*r.t_vib);
   return row;
 }
@@ -51,14 +54,27 @@ std::vector<NetFlux> fluxes_from(const json& row, std::size_t n_surfaces) {
   return fluxes;
 }
 
+std::vector<std::array<double, 2>> species_from(const json& row, const RunExtent& extent) {
+  std::vector<std::array<double, 2>> species(extent.n_surfaces * extent.n_species);
+  auto next = history_numbers + NetFlux{}.size() * extent.n_surfaces;
+  for (auto& ways : species)
+    for (auto& number : ways) number = number_of(row[next++], "molecules of a species in the history");
+  return species;
+}
+
 HistoryRow row_from(const json& value, const RunExtent& extent) {
   const auto steps_done = extent.steps_done;
   const auto n_fluxes = NetFlux{}.size() * extent.n_surfaces;
+  const auto n_of_species = extent.n_species < 2 ? 0 : 2 * extent.n_surfaces * extent.n_species;
   const auto size = value.is_array() ? value.size() : 0;
-  const bool vibrates = size == history_numbers + 1 || size == history_numbers + n_fluxes + 1;
-  const bool is_old = size == history_numbers + (vibrates ? 1 : 0);
-  const auto& j =
-      array_of(value, "a row of the history", history_numbers + (is_old ? 0 : n_fluxes) + (vibrates ? 1 : 0));
+  // older versions have written rows without the species, and before without any fluxes
+  const std::array<std::size_t, 3> known{history_numbers + n_fluxes + n_of_species, history_numbers + n_fluxes,
+                                         history_numbers};
+  const bool vibrates = std::find(known.begin(), known.end(), size - 1) != known.end();
+  const auto numbers = size - (vibrates ? 1 : 0);
+  const bool is_old = numbers == known[2], has_species = n_of_species > 0 && numbers == known[0];
+  const bool is_known = std::find(known.begin(), known.end(), numbers) != known.end();
+  const auto& j = array_of(value, "a row of the history", is_known ? size : known[0]);
   const auto count = [&](std::size_t i) { return count_of(j[i], fmt::format("number {} of the history", i)); };
   const auto number = [&](std::size_t i) { return number_of(j[i], fmt::format("number {} of the history", i)); };
   return {static_cast<std::uint64_t>(count_of(j[0], "step of the history", static_cast<std::int64_t>(steps_done))),
@@ -74,7 +90,8 @@ HistoryRow row_from(const json& value, const RunExtent& extent) {
           number(13),
           number(14),
           is_old ? std::vector<NetFlux>{} : fluxes_from(j, extent.n_surfaces),
-          vibrates ? std::optional(number(size - 1)) : std::nullopt};
+          vibrates ? std::optional(number(size - 1)) : std::nullopt,
+          has_species ? species_from(j, extent) : std::vector<std::array<double, 2>>{}};
 }
 
 json load_to_json(const Load& l) {

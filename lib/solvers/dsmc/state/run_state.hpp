@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <nlohmann/json_fwd.hpp>
@@ -26,6 +27,8 @@ struct HistoryRow {
   double t_tr = 0, t_rot = 0;   ///< K, of all particles at the end, about their mean velocity
   std::vector<NetFlux> fluxes;  ///< of each surface; empty: not known, of an older version
   std::optional<double> t_vib;  ///< K, as the others; none: nothing vibrates
+  /// `molecules_of_species`; empty also if not known, of an older version.
+  std::vector<std::array<double, 2>> species{};
 };
 
 /// Why averages began.
