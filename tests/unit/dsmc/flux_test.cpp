@@ -2,8 +2,8 @@
 // Fluxes through patches and planes: counts against straight lines, rates against kinetic theory, and the balance.
 #include <gtest/gtest.h>
 
-#include <array>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
