@@ -59,7 +59,7 @@ void assign_by_parts(const std::vector<mesh::Patch>& patches, const geometry::Su
     if (assigned[p] < 0) assigned[p] = found[p];
 }
 
-/// What puts the faces without a tag, which lie on no surface yet, on this one; empty if there are none.
+/// The options that put faces without a tag, if they lie on no surface yet, on this one; empty without such faces.
 std::string hint_at_untagged(const std::vector<mesh::Patch>& patches, const std::vector<int>& assigned,
                              const geometry::SurfaceSet& surfaces, int surface) {
   const auto untagged = mesh::find_untagged(patches);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a moved wall changes, beside differences of the residual itself, on a sphere, an ellipsoid and a torus.
+// Shape derivatives of a moved wall against finite differences of the residual, on a sphere, an ellipsoid and a torus.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -108,7 +108,7 @@ struct Amounts {
   Amounts operator-(const Amounts& a) const { return {residual - a.residual, energy - a.energy, charge - a.charge}; }
 };
 
-/// A point of a triangle and its image on the moved wall, with the vectors of area of both (of unit triangles twice it).
+/// A point of a triangle and its image on the moved wall, with the area vectors of both (of unit triangles twice it).
 struct Moved {
   Vec3 from, to;
   std::array<Vec3, 2> edge_from, edge_to;
@@ -179,7 +179,7 @@ void at_points(const Triangles& triangles, const Use& use) {
   }
 }
 
-/// What the surface is beside triangles of it: by definition, and as the solver finds it.
+/// Change from triangles to the curved surface that they approximate: by definition, and as the solver finds it.
 std::array<Amounts, 2> from_triangles(const Domain& domain, const Wall& wall, const Surface& surface,
                                       const Triangles& triangles) {
   std::array<Amounts, 2> sum;

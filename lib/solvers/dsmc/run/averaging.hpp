@@ -39,8 +39,8 @@ std::string drifts_of(const std::vector<Results::Trend>& trends);
 /// Whether all coefficients and their errors are numbers. Local.
 bool is_finite(const Results& results);
 
-/// Decides when the averages of a flow begin and when they suffice, and keeps history, blocks and sums. Averages that
-/// began because the flow seemed steady begin anew when drag or heat drift in them, or in ducts the net flux.
+/// Decides when the averages of a flow begin and when they suffice, and keeps history, blocks and sums. If averages
+/// began because the flow seemed steady, they are restarted when drag or heat (in ducts also the net flux) drifts.
 ///
 /// A run is divided into intervals: of the transient, each a tenth of a passage, the time in which the free stream (for
 /// a gas at rest: its fast molecules) passes the domain, or in which a flow through patches forgets itself; and of the

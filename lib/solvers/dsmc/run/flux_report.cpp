@@ -110,18 +110,18 @@ std::vector<std::string> flux_lines(const Computation& computation) {
     const bool is_plane = k >= n_patches_of(computation);
     const auto f = averaging.flux(k, -1, species.size());
     const double error = std::max({f.net[1].error, f.net[2].error, f.net[3].error});
-    lines.push_back(fmt::format(
-        "{} {}: {:.4g} {}, {:.4g} {}, net {:.4g}{} molecules/s; net ({:.4g}, {:.4g}, {:.4g}){} N, {:.4g}{} W",
-        is_plane ? "plane" : "patch", names[k], f.out[0].value, is_plane ? "along" : "out", f.in[0].value,
-        is_plane ? "against" : "in", f.net[0].value, bound(f.net[0].error), f.net[1].value, f.net[2].value,
-        f.net[3].value, bound(error), f.net[4].value, bound(f.net[4].error)));
+    const auto molecules = [&](const SurfaceFlux& flux) {
+      return fmt::format("{:.4g} {}, {:.4g} {}, net {:.4g}{} molecules/s", flux.out[0].value,
+                         is_plane ? "along" : "out", flux.in[0].value, is_plane ? "against" : "in", flux.net[0].value,
+                         bound(flux.net[0].error));
+    };
+    lines.push_back(fmt::format("{} {}: {}; net ({:.4g}, {:.4g}, {:.4g}){} N, {:.4g}{} W", is_plane ? "plane" : "patch",
+                                names[k], molecules(f), f.net[1].value, f.net[2].value, f.net[3].value, bound(error),
+                                f.net[4].value, bound(f.net[4].error)));
     if (species.size() < 2 || !(is_plane || computation.flow().setup().patch[k].is_open())) continue;
-    for (std::size_t s = 0; s < species.size(); ++s) {
-      const auto one = averaging.flux(k, static_cast<int>(s), species.size());
-      lines.push_back(fmt::format("  {}: {:.4g} {}, {:.4g} {}, net {:.4g}{} molecules/s", species[s].name,
-                                  one.out[0].value, is_plane ? "along" : "out", one.in[0].value,
-                                  is_plane ? "against" : "in", one.net[0].value, bound(one.net[0].error)));
-    }
+    for (std::size_t s = 0; s < species.size(); ++s)
+      lines.push_back(
+          fmt::format("  {}: {}", species[s].name, molecules(averaging.flux(k, static_cast<int>(s), species.size()))));
   }
   for (const auto& one : computation.flow().driven()) {
     const auto& e = one.entering();

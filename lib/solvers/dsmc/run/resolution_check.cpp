@@ -90,7 +90,7 @@ ResolutionCheck check_facets(const Computation& computation) {
   return check;
 }
 
-/// What another run gives for a coefficient.
+/// The estimate of the coefficient of this name.
 const Estimate& estimate_of(const Results& results, const std::string& name) {
   const auto row = std::find_if(coefficient_rows.begin(), coefficient_rows.end(),
                                 [&](const CoefficientRow& one) { return one.name == name; });
