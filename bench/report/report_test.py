@@ -17,6 +17,7 @@ import peers  # noqa: E402
 import report  # noqa: E402
 import rows  # noqa: E402
 import tables  # noqa: E402
+import tool_tables  # noqa: E402
 import workload  # noqa: E402
 import numpy as np  # noqa: E402
 
@@ -67,6 +68,17 @@ class Report(unittest.TestCase):
         self.assertIn("kept", both.stdout)
         self.assertEqual([row[2] for row in rows_of(both.stdout) if row[1] == "red"], ["yes", "3"])
         self.assertNotIn("kept", run_report(*places, "--peers", "", "--table", "uniform", "--again").stdout)
+
+    def test_the_way_from_file_to_file_has_every_step_and_the_copy(self):
+        files = run_report("--tiny", "--out", self.folder, "--table", "files")
+        self.assertEqual(files.returncode, 0, files.stderr)
+        wall = {row[0]: float(row[1]) for row in rows_of(files.stdout)[1:]}
+        steps = sum(wall[name] for name in ("read", "close", "number", "subdivide", "relink", "write"))
+        self.assertLess(0, steps)
+        self.assertLess(steps, wall["all steps"])
+        self.assertLess(wall["all steps"], wall["the process"])
+        self.assertLess(0, wall["copying the file"])
+        self.assertEqual(list(self.folder.glob("tiny/*.hdf")), [])
 
     def test_refuses_what_it_does_not_know(self):
         for arguments in (["--no-such-option"], ["--peers", "nobody"], ["--table", "none"], ["/nowhere/build"]):
@@ -190,6 +202,15 @@ class Assessment(unittest.TestCase):
         found = dict(zip(rows.FRONT_HEAD, list(rows.front_rows(ours, [pair], {"other": {"algorithm": "red"}}))[1]))
         self.assertEqual((found["steps"], found["calls"], found["CPU s"]), ("2", "4", "8"))
         self.assertEqual((found["theirs / ours: a cell out"], found["a cell gone"]), ("4", "16"))
+
+    def test_rows_of_parts_have_ratios_for_all_and_for_a_cell(self):
+        def runs(cells, *seconds):
+            return [{"cells": cells, "cpu": cpu, "worst": 0.2, "mean": 0.8} for cpu in seconds]
+
+        codes = {"PAMR": runs(1000, 1.0, 2.0, 9.0), "other": runs(500, 4.0)}
+        ours, theirs = (dict(zip(tool_tables.CAD_HEAD, row)) for row in tool_tables.cad_rows("p", 0.5, codes, 20.0, 1.5))
+        self.assertEqual((ours["CPU s"], ours["a cell"], ours["runs"]), ("2", "1", "3"))
+        self.assertEqual((theirs["theirs / ours: CPU s"], theirs["a cell"]), ("(2)", "(4)"))
 
 
 unittest.main(argv=sys.argv[:1])

@@ -10,6 +10,7 @@ import sys
 
 import rows
 from measure import Failed, Work, load, output_of
+from tool_tables import cad_table, file_table
 
 HERE = pathlib.Path(__file__).resolve().parent
 BENCH = HERE.parent
@@ -315,6 +316,8 @@ TABLES = {
         script("{build}/bench/bench_order", whole=("14", "5", "5"), quick=("14", "4", "3"), tiny=("6", "2", "1")),
         "performance-calls",
     ),
+    "files": Table("From file to file", file_table, "performance-calls"),
+    "cad": Table("Meshes of STEP files beside Gmsh", cad_table, "performance-calls"),
     "large": Table(
         "The largest run",
         script("large.sh", BUILD, "--out", "{out}/large", whole=(), quick=("--cells", "1500000"), tiny=None),
@@ -339,4 +342,20 @@ TABLES = {
         "poisson-boltzmann-speed",
     ),
     "gas": Table("Gas beside dsmcFoam", script("compare-dsmc.sh", BUILD, whole=(), quick=(), tiny=None), "dsmc-speed"),
+    "partners": Table(
+        "Conductivity of the gas by partner",
+        script(
+            "../qualification/validation/dsmc.sh",
+            "--ranks",
+            "1",
+            "--tools",
+            BUILD + "/bin",
+            "--out",
+            "{out}/partners",
+            whole=("--seeds", "3", "partners"),
+            quick=None,
+            tiny=None,
+        ),
+        "dsmc-speed",
+    ),
 }

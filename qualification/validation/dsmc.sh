@@ -9,7 +9,7 @@
 #   --seeds N       runs of every stochastic case (default 3)
 #   --out FOLDER    where meshes and results go (default out/ beside this script)
 #   --tools FOLDER  takes the tools from there and sets nothing up
-#   CASE            only these: collision-rate relaxation equilibrium flux plate sphere newton fourier couette transition tube conductivity viscosity slow-couette steps trace subcell
+#   CASE            only these: collision-rate relaxation equilibrium flux plate sphere newton fourier couette transition tube conductivity viscosity slow-couette steps trace subcell partners
 set -euo pipefail
 
 declare -A values=([--seeds]=seeds)

@@ -373,11 +373,11 @@ def tube():
 
 def main():
     runs.OUT, runs.RANKS, runs.SEEDS = pathlib.Path(sys.argv[1]).resolve(), int(sys.argv[2]), int(sys.argv[3])
-    from dsmc_flows import conductivity_cases, couette_cases, slow_couette, steps, trace
+    from dsmc_flows import conductivity_cases, couette_cases, partners, slow_couette, steps, trace
     all_cases = {"collision-rate": collision_rate, "relaxation": relaxation, "equilibrium": equilibrium, "flux": flux,
                  "plate": lambda: (plate(), plate("maxwell")), "sphere": sphere, "newton": newton, "fourier": fourier, "couette": couette,
                  "transition": transition, "tube": tube, "conductivity": conductivity_cases, "viscosity": couette_cases, "slow-couette": slow_couette, "steps": steps, "trace": trace,
-                 "subcell": subcell}
+                 "subcell": subcell, "partners": partners}
     for name in sys.argv[4:] or all_cases:
         all_cases[name]()
     sys.exit(1 if runs.write_results() else 0)

@@ -21,28 +21,47 @@ def box(name, *numbers):
     return name
 
 
-def conductivity(species, seed):
-    """Conductivity over that of kinetic theory, 15/4 k/m mu: heat from wall to wall over the slope of the temperature in the
-    middle half, six mean free paths and more from the walls."""
-    bricks, low, high = 25, 200.0, 400.0
+def conductivity(species, seed, partner="nearest", finer=1, per_cell=40.0, steps=(1000, 3000)):
+    """Conductivity over that of kinetic theory, 15/4 k/m mu, and particle-steps a second: heat from wall to wall over the slope of
+    the temperature in the middle half, six mean free paths and more from the walls. Cells: bricks of a mean free path, 6 each,
+    `finer` times as many along each edge. `steps`: before sampling and with it."""
+    paths, low, high = 25, 200.0, 400.0
+    bricks = paths * finer
     t = 0.5 * (low + high)
-    n = cases.free_path(species, 1, t) * bricks
+    n = cases.free_path(species, 1, t) * paths
     k = compute("conductivity", {**gas(Ar=species), "stream.free": dict(density=n, temperature=t),
                                  **walls(xmin={"kind": "diffuse", "temperature": high}, xmax={"kind": "diffuse", "temperature": low}),
-                                 "particles": dict(per_cell=40.0), "time": dict(step=0.2 / bricks / cases.fast(t, species["mass"])),
-                                 "run": dict(transient=1000, sampling=3000), "reference": dict(area=4.0 / bricks**2)}, box("channel.hdf", bricks, 2, 2, 0, 1), seed)
+                                 "collisions": dict(partner=partner), "particles": dict(per_cell=per_cell),
+                                 "time": dict(step=0.2 / paths / cases.fast(t, species["mass"])), "run": dict(transient=steps[0], sampling=steps[1]),
+                                 "reference": dict(area=4.0 / bricks**2)}, box(f"channel-{finer}.hdf", bricks, 2, 2, 0, 1), seed)
     heat = 0.5 * k["reference"]["dynamic_pressure"] * k["reference"]["speed"] * (k["patches"]["xmax"]["C_H"]["value"] - k["patches"]["xmin"]["C_H"]["value"])
     middle, volume, density, temperature = fields("conductivity", "n", "T")
     core = np.abs(middle[:, 0] - 0.5) < 0.25
     slope, _ = np.polyfit(middle[core, 0], temperature[core], 1, w=np.sqrt(density[core]))
     at = np.average(temperature[core])
-    return -heat / slope / (15 / 4 * BOLTZMANN / species["mass"] * cases.viscosity(species, at))
+    return (-heat / slope / (15 / 4 * BOLTZMANN / species["mass"] * cases.viscosity(species, at)),
+            k["particle_steps_per_second_per_core"])
 
 
 def conductivity_cases():
     for name, species in (("VHS", ARGON), ("VSS", ARGON_SOFT)):
-        value, error = mean([conductivity(species, seed) for seed in range(1, runs.SEEDS + 1)])
+        value, error = mean([conductivity(species, seed)[0] for seed in range(1, runs.SEEDS + 1)])
         check("19", f"conductivity of argon over kinetic theory's, {name}", 1.0, value, error, bar=0.02)
+
+
+def partners():
+    """What each choice of partners costs, and the conductivity that it gives in the same run. `subcell` has parts of its own in
+    the crowded cells only."""
+    lines = ["| partner | particles a cell | edge of a cell, mean free paths | conductivity over kinetic theory's | standard error "
+             "| million particle-steps a CPU second |", "|---|---|---|---|---|---|"]
+    for finer, per_cell, steps in ((2, 40.0, (1000, 3000)), (1, 400.0, (600, 900))):
+        for partner in ("any", "nearest", "subcell"):
+            found = [conductivity(ARGON, seed, partner, finer, per_cell, steps) for seed in range(1, runs.SEEDS + 1)]
+            value, error = mean([one for one, _ in found])
+            check("19", f"conductivity, partner {partner}, {per_cell:.0f} a cell", 1.0, value, error, bar=0.01)
+            lines.append(f"| `{partner}` | {per_cell:.0f} | {6**(-1 / 3) / finer:.2f} | {value:.4f} | {error:.4f} "
+                         f"| {1e-6 * np.median([rate for _, rate in found]):.1f} |")
+    print("\n".join(["", *lines]))
 
 
 def couette_profile(species, n, t_wall, u, height):

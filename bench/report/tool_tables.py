@@ -1,0 +1,142 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Tables of what whole tools take, files included."""
+
+import json
+import pathlib
+import resource
+import shutil
+import statistics
+import time
+
+import rows
+from measure import Failed, load, output_of
+
+BENCH = pathlib.Path(__file__).resolve().parents[1]
+PARTS = BENCH.parent / "tests/unit/geometry/data"
+CAD_HEAD = (
+    "part | edges | code | cells | CPU s | theirs / ours: CPU s | a cell | smallest mean ratio | mean | `limit` | "
+    "load | runs"
+).split(" | ")
+FILE_HEAD = "step | wall s | CPU s".split(" | ")
+
+
+def cpu_of(command, environment):
+    """What a program printed, and the processor seconds of it and its children."""
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    text = output_of(command, environment)
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return text, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+
+
+def our_cad_run(context, part, size):
+    mesh = context.out / "part.hdf"
+    tools = context.build / "bin"
+    text, cpu = cpu_of(
+        [tools / "pamr-mesh", part, "--size", size, "-o", mesh, "--force", "--quiet", "--json", "-"], context.environment
+    )
+    found = json.loads(text)
+    shapes = json.loads(output_of([tools / "pamr-quality", mesh, "--quiet", "--json", "-"], context.environment))
+    ratio = shapes["mean_ratio"]
+    mesh.unlink()
+    return {"cells": found["cells"], "cpu": cpu, "worst": ratio["min"], "mean": ratio["mean"]}
+
+
+def cad_rows(part, size, codes, limit, load_then):
+    """`codes`: {name: runs}, ours first. Ratios in parentheses: the meshes differ."""
+    medians = {name: statistics.median(run["cpu"] for run in runs) for name, runs in codes.items()}
+    ours = next(iter(codes))
+    cells = {name: runs[0]["cells"] for name, runs in codes.items()}
+    for name, runs in codes.items():
+        ratio = medians[name] / medians[ours]
+        yield [
+            part,
+            f"{size:g}",
+            name,
+            f"{cells[name]:,}",
+            rows.number(medians[name]),
+            "1" if name == ours else f"({rows.number(ratio)})",
+            "1" if name == ours else f"({rows.number(ratio * cells[ours] / cells[name])})",
+            rows.number(runs[0]["worst"]),
+            rows.number(runs[0]["mean"]),
+            rows.number(limit),
+            rows.number(load_then),
+            str(len(runs)),
+        ]
+
+
+def cad_table(context):
+    sizes = {"whole": (0.15, 0.15, 0.06), "quick": (0.3, 0.3, 0.1), "tiny": (0.6, 0.6, 0.3)}[context.size]
+    lines, notes = [], {}
+    for name, size in zip(("pipe_tee", "spool", "egg"), sizes):
+        part = PARTS / f"{name}.step"
+        codes, limits = {"PAMR": []}, []
+        for _ in range(min(3, context.bench.repeats)):
+            limits.append(context.bench.limit())
+            codes["PAMR"].append(our_cad_run(context, part, size))
+            for peer in ("gmsh", "gmsh-debian"):
+                command = context.peers.command(peer) if peer in context.names else None
+                if command is None:
+                    if peer in context.names:
+                        notes[peer] = context.peers.errors[peer]
+                    continue
+                try:
+                    text = output_of(
+                        [*command[:-1], BENCH / "compare/cad_peer.py", part, size], context.peers.environment(peer)
+                    )
+                except Failed as error:
+                    notes[peer] = f"{name}: {error}"
+                    continue
+                run = json.loads(next(line for line in text.splitlines() if line.startswith("{")))
+                codes.setdefault(run["peer"], []).append(run)
+        lines += cad_rows(name, size, codes, statistics.median(limits), load())
+    return [
+        "Largest edges as given, in mm. PAMR: the whole process, the file written too; Gmsh: reading the file and "
+        "meshing. The meshes differ, so ratios are in parentheses.",
+        "",
+        *rows.table(CAD_HEAD, lines),
+        "",
+        *rows.note_lines(notes),
+    ]
+
+
+def file_table(context):
+    """W2 by the tools, from file to file."""
+    n = {"whole": 56, "quick": 56, "tiny": 12}[context.size]
+    tools = context.build / "bin"
+    start, marked, fine, copy = (context.out / f"{name}.hdf" for name in ("start", "marked", "fine", "copy"))
+    output_of(
+        [tools / "pamr-mesh", "--shape", "kuhn-cube", "--n", n, "-o", start, "--force", "--quiet"], context.environment
+    )
+    output_of(
+        [tools / "pamr-mark", start, "-o", marked, "--centroid-shell", "0.5,0.5,0.5,0.35,0.06", "--force", "--quiet"],
+        context.environment,
+    )
+    runs, copies = [], []
+    for _ in range(context.bench.repeats):
+        began = time.monotonic()
+        text, cpu = cpu_of(
+            [tools / "pamr-refine", marked, "-o", fine, "--force", "--quiet", "--json", "-"], context.environment
+        )
+        runs.append((time.monotonic() - began, cpu, json.loads(text)))
+        began = time.monotonic()
+        shutil.copyfile(fine, copy)
+        copies.append(time.monotonic() - began)
+    columns = ("seconds", "cpu_seconds")
+
+    def row(step, name):
+        return [name, *(rows.number(statistics.median(run[2][key][step]["max"] for run in runs)) for key in columns)]
+
+    found = [row(step, step) for step in runs[0][2]["seconds"] if step != "total"]
+    found.append(row("total", "all steps"))
+    found.append(["the process", *(rows.number(statistics.median(run[i] for run in runs)) for i in (0, 1))])
+    found.append(["copying the file", rows.number(statistics.median(copies)), "-"])
+    size = fine.stat().st_size
+    for file in (start, marked, fine, copy):
+        file.unlink()
+    report = runs[0][2]
+    return [
+        f"`pamr-refine` from {report['cells_in']:,} cells to {report['cells_out']:,}, a file of {size / 1e6:.0f} MB, one "
+        "rank.",
+        "",
+        *rows.table(FILE_HEAD, found),
+    ]
