@@ -7,8 +7,8 @@ The pages have no directives. What a site needs beyond them is added while they 
 - docs/api/cpp.md names namespaces and headers (docs/build.sh gives those headers to Doxygen); what they declare follows each namespace.
 - docs/api/python.md names modules, likewise.
 - Blocks of code without a language get the one that their first lines look like.
-- Debian's furo has a script that imports another, which browsers allow in modules only, and a style that imports one from a
-  server's folder: each becomes one file.
+- Debian's furo has a script that imports another, which browsers allow in modules only, and those from a server only, and a style
+  that imports one from a server's folder: each becomes one file, and no script is a module.
 - Browsers do not let the search read other pages from a disk: it has their texts in a script of its own.
 """
 import json
@@ -48,6 +48,7 @@ autodoc_member_order = "bysource"
 
 LIST_LINK = re.compile(r"^- \[([^\]]+)\]\(([^)#:]+\.md)\)", re.M)
 NAMESPACE = re.compile(r"^(## `(pamr::\w+)`\n\n(?:.+\n)+)", re.M)
+MODULE_SCRIPT = '<script type="module"'
 MODULE = re.compile(r"^(#+) `(pamr(?:\.\w+)*)`.*$", re.M)
 
 
@@ -111,12 +112,16 @@ def add_texts_to_the_search(app, pagename, templatename, context, doctree):
 
 def join_files_of_the_theme(static):
     furo, gumshoe, style = static / "scripts" / "furo.js", static / "scripts" / "gumshoe-patched.js", static / "styles" / "furo.css"
-    text = re.sub(r"^import \w+ from .*\n", "", furo.read_text(encoding="utf-8"), count=1)
+    text = re.sub(r"^import (?:\* as )?\w+ from .*\n", "", furo.read_text(encoding="utf-8"), count=1)
     if gumshoe.exists():
         furo.write_text(gumshoe.read_text(encoding="utf-8") + text, encoding="utf-8")
     text = style.read_text(encoding="utf-8")
     style.write_text(re.sub(r"@import url\((/javascript/[^)]*)\);", lambda m: pathlib.Path("/usr/share" + m[1]).read_text(encoding="utf-8"),
                             text), encoding="utf-8")
+    for page in static.parent.rglob("*.html"):
+        text = page.read_text(encoding="utf-8")
+        if MODULE_SCRIPT in text:
+            page.write_text(text.replace(MODULE_SCRIPT, "<script defer"), encoding="utf-8")
 
 
 def finish(app, error):
@@ -127,7 +132,7 @@ def finish(app, error):
     for name in sorted(app.env.all_docs):
         if "nosearch" not in app.env.metadata.get(name, {}):
             page = (out / (name + ".html")).read_text(encoding="utf-8")
-            main = re.search(r'<article role="main">(.*?)</article>', page, re.S).group(1)
+            main = re.search(r'<article role="main"[^>]*>(.*?)</article>', page, re.S).group(1)
             code = re.findall(r"<pre>.*?</pre>", main, re.S)  # behind the sentences; the title is shown in any case
             main = re.sub(r'<h1>.*?</h1>|<pre>.*?</pre>|<a class="headerlink".*?</a>', "", main, flags=re.S) + " ".join(code)
             texts[f"./{name}.html"] = " ".join(re.sub(r"<[^>]*>", "", main).split())
