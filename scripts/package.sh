@@ -57,7 +57,7 @@ cp -r "$root/packaging/debian" "$sources/debian"
   exit 1
 }
 rm -rf "$sources"
-(cd -- "$out" && ls -l -- *.deb *.tar.xz 2>/dev/null | awk '{ printf "%s %.1f MB\n", $9, $5 / 1e6 }')
+find "$out" -maxdepth 1 \( -name '*.deb' -o -name '*.tar.xz' \) -printf '%f %s\n' | sort | awk '{ printf "%s %.1f MB\n", $1, $2 / 1e6 }'
 
 if [ $test_them = yes ]; then
   lintian --fail-on error,warning --tag-display-limit 0 "$out"/*.changes
