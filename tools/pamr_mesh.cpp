@@ -129,8 +129,8 @@ cli::ExitCode make_mesh(cli::Session& session, const Options& options) {
   if (made.body_volume > 0) body_volume = made.body_volume;
   for (std::size_t r = 0; r < made.region_volumes.size(); ++r) {
     const double volume = summary.region_volumes[r], of_solids = made.region_volumes[r];
-    regions[info.regions[r].name] = {
-        {"number", info.regions[r].number}, {"volume", volume}, {"body_volume", of_solids}};
+    auto& region = regions[info.regions[r].name] = {{"number", info.regions[r].number}, {"volume", volume}};
+    region["body_volume"] = of_solids > 0 ? nlohmann::json(of_solids) : nlohmann::json();
     lines.push_back(fmt::format("region {} {}: volume {:.6g}{}", info.regions[r].number, info.regions[r].name, volume,
                                 beside_body(volume, of_solids)));
   }

@@ -16,6 +16,7 @@
 #include "meshing/feature_curves.hpp"
 #include "meshing/inside_grid.hpp"
 #include "meshing/pieces.hpp"
+#include "meshing/sided_pieces.hpp"
 #include "meshing/size_sources.hpp"
 #include "meshing/solid.hpp"
 #include "meshing/thickness.hpp"
@@ -43,8 +44,8 @@ void require_within_bounds(const Solid& solid, const std::string& where) {
   const auto between = [](double a, double b, int i) { return a + (b - a) * i / n; };
   const auto require_outside = [&](Vec3 p) {
     if (solid.contains(p))
-      throw Error(fmt::format("{}: expected bounds that hold the region, found ({:g}, {:g}, {:g}) in it", where, p.x,
-                              p.y, p.z));
+      throw Error(fmt::format("{}: expected bounds that hold the region{}, found ({:g}, {:g}, {:g}) in it", where,
+                              solid.regions.size() > 1 ? "s" : "", p.x, p.y, p.z));
   };
   for (int i = 0; i <= n; ++i)
     for (int j = 0; j <= n; ++j)
@@ -56,23 +57,35 @@ void require_within_bounds(const Solid& solid, const std::string& where) {
       }
 }
 
-/// Looks at a grid of points in the box, and beside points of the surfaces, where thin parts of a region are.
+/// Looks at a grid of points in the box, and beside points of the surfaces, where thin parts of a region are: regions
+/// may not overlap, and some of each must be there.
 void require_some_within_bounds(const Solid& solid, const SurfaceSamples& samples, const std::string& where) {
   constexpr int n = 24;
+  std::size_t n_found = 0;
+  std::vector<bool> is_found(solid.regions.size(), false);
+  const auto is_known = [&](Vec3 p) {
+    const Sides sides = solid.sides(p);
+    const int region = solid.region_of(sides);
+    solid.require_apart(sides, p);
+    if (region >= 0 && !is_found[at(region)]) ++n_found, is_found[at(region)] = true;
+    return n_found == is_found.size() && is_found.size() == 1;
+  };
   const Vec3 size = solid.high - solid.low;
   for (int i = 0; i < n; ++i)
     for (int j = 0; j < n; ++j)
       for (int k = 0; k < n; ++k)
-        if (solid.contains(solid.low + Vec3{size.x * (i + 0.5) / n, size.y * (j + 0.5) / n, size.z * (k + 0.5) / n}))
-          return;
+        if (is_known(solid.low + Vec3{size.x * (i + 0.5) / n, size.y * (j + 0.5) / n, size.z * (k + 0.5) / n})) return;
   const geometry::Box box{solid.low, solid.high};
   for (int s = 0; s < solid.n_surfaces(); ++s)
     for (const Vec3 p : samples[at(s)]) {
       const Vec3 step = 1e-4 * solid.radius() * solid.surface(s).normal(p);
       for (const Vec3 q : {p + step, p - step})
-        if (box.contains(q) && solid.contains(q)) return;
+        if (box.contains(q) && is_known(q)) return;
     }
-  throw Error(fmt::format("{}: expected bounds around a part of the region, found none of it in them", where));
+  for (std::size_t r = 0; r < is_found.size(); ++r)
+    if (!is_found[r])
+      throw Error(fmt::format("{}: expected bounds around a part of the region{}, found none of it in them", where,
+                              solid.region_names.empty() ? "" : " " + solid.region_names[r]));
 }
 
 /// What edges in a gap are bounded to: `factor` times the least sum of the distances from two surfaces whose normals
@@ -165,7 +178,7 @@ std::vector<Vec3> scattered_points(const std::vector<Vec3>& candidates, const st
 }
 
 /// Tips of CAD shapes that bound the solid, with points around them so that the first facets enclose them.
-void add_tips(const Solid& solid, const Pieces& pieces, Domain& domain) {
+void add_tips(const Solid& solid, const SidedPieces& pieces, Domain& domain) {
   constexpr std::array<double, 2> ring{1.3, 2.2};  // distance over size
   constexpr int n_around = 4;
   for (int i = 0; i < solid.n_surfaces(); ++i)
@@ -177,18 +190,19 @@ void add_tips(const Solid& solid, const Pieces& pieces, Domain& domain) {
           for (int k = 0; k < n_around; ++k) {
             const auto p = body->around(tip, (k + 0.5 * static_cast<double>(r) + 0.25) / n_around,
                                         ring[r] * domain.size(tip.point));
-            if (solid.divides(i, solid.sides(p))) domain.pieces[at(pieces.nearest(i, p))].start.push_back(p);
+            if (const int piece = pieces.at_point(i, p); piece >= 0) domain.pieces[at(piece)].start.push_back(p);
           }
       }
 }
 
 /// Gives pieces points to start from: those that no curve touches, all where curves lie in one plane, and faces of CAD
 /// shapes, which may be small and far from their curves.
-void add_starts(const Solid& solid, const Pieces& pieces, const SurfaceSamples& samples, Domain& domain) {
+void add_starts(const Solid& solid, const Pieces& pieces, const SidedPieces& sided, const SurfaceSamples& samples,
+                Domain& domain) {
   std::vector<std::vector<Vec3>> candidates(domain.pieces.size());
   for (int i = 0; i < solid.n_surfaces(); ++i) {
     const auto add = [&](Vec3 p) {
-      if (solid.divides(i, solid.sides(p))) candidates[at(pieces.nearest(i, p))].push_back(p);
+      if (const int piece = sided.at_point(i, p); piece >= 0) candidates[at(piece)].push_back(p);
     };
     for (const Vec3 p : samples[at(i)]) add(p);
     if (const auto* body = dynamic_cast<const CadBody*>(&solid.surface(i)))
@@ -196,7 +210,7 @@ void add_starts(const Solid& solid, const Pieces& pieces, const SurfaceSamples& 
   }
   const DistanceFromCurves distance_from_curves(domain.curves);
   for (std::size_t k = 0; k < domain.pieces.size(); ++k) {
-    const auto& piece = pieces.all()[k];
+    const auto& piece = pieces.at(sided.all()[k].piece);
     const bool is_cad = dynamic_cast<const CadBody*>(&solid.surface(piece.surface)) != nullptr;
     const bool has_curve =
         is_cad || std::any_of(domain.curves.begin(), domain.curves.end(), [&](const auto& curve) {
@@ -209,7 +223,7 @@ void add_starts(const Solid& solid, const Pieces& pieces, const SurfaceSamples& 
     domain.pieces[k].start =
         scattered_points(candidates[k], distance, has_curve && !domain.curves.empty(), domain.size);
   }
-  add_tips(solid, pieces, domain);
+  add_tips(solid, sided, domain);
 }
 
 /// True when all points of the curves lie in one plane, to 1e-6 of the radius.
@@ -230,10 +244,11 @@ bool are_in_one_plane(const std::vector<FeatureCurve>& curves, double radius) {
 
 /// Pieces of the domain, and patches: one for each piece or each named part, which may have several, or for each CAD
 /// surface, which may have several faces.
-void add_pieces(const std::shared_ptr<const Pieces>& pieces, const Bodies& bodies, const Combination& c,
-                Domain& domain) {
+void add_pieces(const std::shared_ptr<const Pieces>& pieces, const SidedPieces& sided_pieces, const Bodies& bodies,
+                const Combination& c, Domain& domain) {
   std::vector<int> patch_of_surface(c.surfaces->name.size(), -1);
-  for (const auto& piece : pieces->all()) {
+  for (const auto& sided : sided_pieces.all()) {
+    const auto& piece = pieces->at(sided.piece);
     const auto& surface_of_face = bodies.surface_of_face[at(piece.surface)];
     int patch = static_cast<int>(domain.patches.size());
     if (surface_of_face.empty()) {
@@ -256,6 +271,7 @@ void add_pieces(const std::shared_ptr<const Pieces>& pieces, const Bodies& bodie
       patch = known = known < 0 ? patch : known;
     }
     domain.pieces.push_back({patch, [pieces, shape = piece.shape](Vec3 p) { return shape->project(p); }});
+    domain.pieces.back().region = sided.region;
     if (!c.regions.name.empty()) domain.pieces.back().region = c.regions.of_face[at(std::max(0, piece.number))];
   }
 }
@@ -282,7 +298,7 @@ Thicknesses thicknesses_of(const Solid& solid, const Combination& c) {
   for (int i = 0; i < solid.n_surfaces(); ++i) {
     const auto bounds_inside = [&](Vec3 p) {
       const Sides inside = solid.sides(p) & ~(Sides{1} << i);
-      return solid.region.contains(inside) && solid.divides(i, inside);
+      return solid.region_of(inside) >= 0 && solid.divides(i, inside);
     };
     auto triangles = triangles_on(solid, i, *c.surfaces);
     std::erase_if(triangles, [&](const auto& t) { return !bounds_inside((1.0 / 3) * (t[0] + t[1] + t[2])); });
@@ -312,31 +328,42 @@ void measure_boundary(const Thicknesses& thickness, Domain& domain) {
 
 /// The CAD shape that is the only surface of a solid, if the solid is its inside; else null.
 const CadBody* only_body(const Solid& solid) {
-  if (solid.n_surfaces() != 1 || !solid.region.contains(0) || solid.region.contains(1)) return nullptr;
+  if (solid.n_surfaces() != 1 || solid.region_of(0) < 0 || solid.region_of(1) >= 0) return nullptr;
   return dynamic_cast<const CadBody*>(&solid.surface(0));
 }
 
 /// Names and volumes of the regions, and the volume of all where the domain is the inside of a CAD shape.
-void add_regions(const Solid& solid, const AssemblyRegions& regions, Domain& domain) {
-  for (const auto& name : regions.name) domain.regions.push_back({name, 0});
+void add_regions(const Solid& solid, const Combination& c, Domain& domain) {
+  const auto& regions = c.regions;
+  int n = 0;
+  const auto add = [&](const std::string& name) {
+    const auto same = std::find_if(domain.regions.begin(), domain.regions.end(),
+                                   [&](const DomainRegion& known) { return known.name == name; });
+    domain.regions.push_back({name, same == domain.regions.end() ? ++n : same->number});
+  };
+  for (const auto& name : regions.name) add(name);
+  for (const auto& part : c.parts) add(part.name);
   const auto* body = only_body(solid);
   if (body == nullptr) return;
   for (std::size_t s = 0; s < body->volumes().size(); ++s) {
     domain.volume += body->volumes()[s];
-    if (!domain.regions.empty()) domain.regions[at(regions.of_solid[s])].volume += body->volumes()[s];
+    if (!domain.regions.empty())
+      domain.regions[regions.name.empty() ? 0 : at(regions.of_solid[s])].volume += body->volumes()[s];
   }
 }
 
 /// `Domain::label` of a solid.
 std::function<int(Vec3)> labels_of(const std::shared_ptr<const Solid>& solid,
-                                   const std::shared_ptr<const Pieces>& pieces, const AssemblyRegions& regions) {
+                                   const std::shared_ptr<const Pieces>& pieces,
+                                   const std::shared_ptr<const SidedPieces>& sided, const AssemblyRegions& regions) {
   const auto* body = regions.name.empty() ? nullptr : only_body(*solid);
   if (body == nullptr) {
-    const auto deep = InsideGrid::is_exact_for(*solid) ? std::make_shared<InsideGrid>(solid) : nullptr;
-    return [solid, pieces, deep](Vec3 p) {
-      if (deep && deep->holds(p)) return Domain::inside;
-      const int surface = solid->label(p);
-      return surface < 0 ? Domain::inside : pieces->nearest(surface, p);
+    const auto region_at = [solid](Vec3 p) { return solid->region_of(solid->sides(p)); };
+    const auto deep = InsideGrid::is_exact_for(*solid) ? std::make_shared<InsideGrid>(solid, region_at) : nullptr;
+    return [solid, sided, deep](Vec3 p) {
+      if (const int region = deep ? deep->region_at(p) : -1; region >= 0) return Domain::in_region(region);
+      const auto place = solid->place(p);
+      return place.surface < 0 ? Domain::in_region(place.region) : sided->behind(place, p);
     };
   }
   const auto deep = std::make_shared<InsideGrid>(
@@ -362,8 +389,24 @@ bool Combination::has_cad() const {
   });
 }
 
+std::vector<Region> regions_of(const Combination& c, const std::string& where) {
+  const auto& names = c.surfaces->name;
+  const auto side_of = sides_of(*c.surfaces);
+  if (c.parts.empty()) return {Region(c.region, names, side_of, where)};
+  std::vector<Region> result;
+  Sides used = 0;
+  for (const auto& part : c.parts) {
+    result.push_back(Region::among_others(part.sides, names, side_of, part.at));
+    used |= result.back().used();
+  }
+  for (std::size_t i = 0; i < names.size(); ++i)
+    if ((used >> side_of[i] & 1U) == 0)
+      throw Error(fmt::format("{}: expected every surface in a region, found \"{}\" in none", where, names[i]));
+  return result;
+}
+
 Domain combine(const Combination& c, const std::string& where) {
-  const Region region(c.region, c.surfaces->name, sides_of(*c.surfaces), where);
+  auto regions = regions_of(c, where);
   const auto with_place = [&where](auto&& make) {
     try {
       return make();
@@ -373,22 +416,26 @@ Domain combine(const Combination& c, const std::string& where) {
     }
   };
   const auto bodies = with_place([&] { return join_bodies(*c.surfaces, triangle_error * shortest_edge(c)); });
-  const auto solid = std::make_shared<const Solid>(Solid{bodies.set, region, c.low, c.high});
+  std::vector<std::string> region_names;
+  for (const auto& part : c.parts) region_names.push_back(fmt::format("\"{}\" ({})", part.name, part.at));
+  const auto solid = std::make_shared<const Solid>(Solid{bodies.set, std::move(regions), c.low, c.high, region_names});
   const auto samples = sample_surfaces(*solid);
   const auto pieces = with_place([&] { return std::make_shared<const Pieces>(solid, samples); });
   require_within_bounds(*solid, where);
-  require_some_within_bounds(*solid, samples, where);
+  with_place([&] { return require_some_within_bounds(*solid, samples, where); });
   Domain domain;
-  domain.label = labels_of(solid, pieces, c.regions);
-  const auto thickness = thicknesses_of(*solid, c);
-  domain.size = size_field(solid, c, thickness, where);
-  add_regions(*solid, c.regions, domain);
-  add_pieces(pieces, bodies, c, domain);
   domain.curves = with_place([&] { return trace_feature_curves(solid, pieces, samples); });
   for (auto& crease : pieces->creases()) domain.curves.push_back(std::move(crease));
+  const auto sided =
+      with_place([&] { return std::make_shared<const SidedPieces>(solid, pieces, samples, domain.curves); });
+  domain.label = labels_of(solid, pieces, sided, c.regions);
+  const auto thickness = thicknesses_of(*solid, c);
+  domain.size = size_field(solid, c, thickness, where);
+  add_regions(*solid, c, domain);
+  add_pieces(pieces, *sided, bodies, c, domain);
   measure_boundary(thickness, domain);
   domain.points_first = are_in_one_plane(domain.curves, solid->radius());
-  add_starts(*solid, *pieces, samples, domain);
+  add_starts(*solid, *pieces, *sided, samples, domain);
   if (!domain.tips.empty()) domain.points_first = false;  // nor are the balls
   domain.surfaces = c.surfaces;
   domain.length_unit = c.length_unit;

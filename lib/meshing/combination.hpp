@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "meshing/meshing_domain.hpp"
+#include "meshing/region.hpp"
 
 namespace pamr::meshing {
 
@@ -17,11 +18,19 @@ struct AssemblyRegions {
   std::vector<std::array<int, 2>> of_face;  ///< at the sides of each face of the shape; the second -1: outside
 };
 
-/// A region bounded by surfaces, as a case file describes it.
+/// One of several regions, or a part of one: parts of one name are one region.
+struct NamedRegion {
+  std::string name;
+  std::string sides;  ///< see `Region`
+  std::string at;     ///< where it is described (file:line:column)
+};
+
+/// A region bounded by surfaces, or several, as a case file describes them.
 struct Combination {
   geometry::SharedSurfaces surfaces;  ///< each becomes a patch of its name, triangulated ones several (see `Pieces`)
-  std::string region;                 ///< see `Region`
-  geometry::Vec3 low, high;           ///< a box that holds the region, in units of the mesh as all lengths here
+  std::string region;                 ///< see `Region`; empty where there are
+  std::vector<NamedRegion> parts;
+  geometry::Vec3 low, high;  ///< a box that holds the region, in units of the mesh as all lengths here
   std::string length_unit;
   double far = 0;     ///< largest wanted edge length
   double growth = 0;  ///< of the wanted edge length per distance, no unit; under 1
@@ -42,8 +51,12 @@ struct Combination {
   bool has_cad() const;  ///< whether one of the surfaces is on a CAD shape
 };
 
+/// The regions of a combination. Throws `Error` that begins with `where`, or the place of its part, for text that is no
+/// region, and for a surface that no region names. Local.
+std::vector<Region> regions_of(const Combination& combination, const std::string& where);
+
 /// The domain that it describes. Local, deterministic. Throws `Error` that begins with `where` for regions that are
-/// none, a region that leaves its box, and edges as `trace_feature_curves` refuses them.
+/// none or overlap, a region that leaves its box, and edges as `trace_feature_curves` refuses them.
 Domain combine(const Combination& combination, const std::string& where);
 
 }  // namespace pamr::meshing

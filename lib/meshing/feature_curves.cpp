@@ -194,14 +194,14 @@ class Tracer {
     arcs_.push_back({curve.piece(), std::move(part)});
   }
 
-  /// True when both surfaces bound the solid here.
+  /// True when both surfaces bound the solid, or regions of it, here.
   bool is_edge(const CommonCurve& curve, Vec3 p) const {
     const Sides a = Sides{1} << curve.a(), b = Sides{1} << curve.b(), rest = solid_.sides(p) & ~(a | b);
-    const auto in = [&](Sides sides) { return solid_.region.contains(rest | sides); };
-    const bool none = in(0), only_a = in(a), only_b = in(b), all = in(a | b);
+    const auto in = [&](Sides sides) { return solid_.region_of(rest | sides); };  // -1: outside
+    const int none = in(0), only_a = in(a), only_b = in(b), all = in(a | b);
     const bool depends_on_a = none != only_a || only_b != all, depends_on_b = none != only_b || only_a != all;
     if (!depends_on_a || !depends_on_b) return false;
-    if (none == all && only_a == only_b)
+    if ((none < 0 && all < 0 && only_a >= 0 && only_b >= 0) || (only_a < 0 && only_b < 0 && none >= 0 && all >= 0))
       throw Error(
           fmt::format("expected a region that does not touch itself, found one that does where \"{}\" and "
                       "\"{}\" meet at {}",

@@ -145,7 +145,7 @@ RawMesh mesh_here(const MeshCase& mesh_case, const Domain& domain, const Listene
     return mesh_domain(domain, mesh_case.seed, listener);
   } catch (const Error& first) {
     if (auto raw = mesh_from_points(domain, mesh_case.seed, listener)) return *std::move(raw);
-    if (!mesh_case.combination.region.empty())
+    if (mesh_case.combination.surfaces)
       for (const double factor : {3.0, 1.5}) {
         auto raw = mesh_with_gaps(mesh_case, domain, factor, listener);
         if (!raw) continue;
@@ -178,8 +178,8 @@ void note_pieces(const par::Comm& comm, const MeshCase& mesh_case, const mesh::D
   if (!mesh.info.regions.empty()) return;
   if (const auto n = check::count_pieces(comm, mesh); n > 1 && comm.is_first())
     listener.note(
-        fmt::format("{}: the mesh is in {} pieces that no face joins, and they are one region: pamr-mesh of a STEP, "
-                    "IGES or BREP file itself makes a region of each solid",
+        fmt::format("{}: the mesh is in {} pieces that no face joins, and they are one region: tables [[mesh.region]] "
+                    "of a case file make several, and pamr-mesh of a STEP, IGES or BREP file itself one of each solid",
                     mesh_case.where, n));
 }
 
@@ -216,7 +216,8 @@ LevelZero make_mesh(const par::Comm& comm, const MeshCase& mesh_case, const List
   block.info.provenance = describe(mesh_case);
   auto result = finished(comm, std::move(block));
   result.body_volume = domain.volume;
-  for (const auto& region : domain.regions) result.region_volumes.push_back(region.volume);
+  result.region_volumes.resize(result.mesh.info.regions.size());
+  for (const auto& part : domain.regions) result.region_volumes[at(part.number - 1)] += part.volume;
   note_pieces(comm, mesh_case, result.mesh, listener);
   return result;
 }

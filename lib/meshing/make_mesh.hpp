@@ -24,7 +24,7 @@ struct Listener {
 struct LevelZero {
   mesh::DistMesh mesh;
   double body_volume = 0;                         ///< of the body that was meshed, where that is known
-  std::vector<double> region_volumes = {};        ///< of the solids of each region; none where it is one region
+  std::vector<double> region_volumes = {};        ///< of the solids of each region that has a name; 0: not known
   std::int64_t split_edges = 0, split_faces = 0;  ///< by `open_wall_ears`
 };
 

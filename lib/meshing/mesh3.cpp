@@ -294,6 +294,7 @@ class Extraction {
     find_pieces_between_regions(
         domain_, [this](Edge edge) { return feature_edges_.contains(edge); }, mesh_);
     bind_to_pieces();
+    require_cells_of_all_parts();
     std::vector<bool> has_face(domain_.pieces.size(), false);
     for (const auto* faces : {&mesh_.face, &mesh_.between})
       for (const auto& face : *faces) has_face[static_cast<std::size_t>(face.piece)] = true;
@@ -305,6 +306,13 @@ class Extraction {
   }
 
  private:
+  void require_cells_of_all_parts() const {
+    std::vector<bool> has_cell(domain_.regions.size(), false);
+    for (const int part : mesh_.region) has_cell[static_cast<std::size_t>(part)] = true;
+    for (std::size_t i = 0; i < has_cell.size(); ++i)
+      if (!has_cell[i]) too_coarse("no cell in a part of the region \"" + domain_.regions[i].name + "\"");
+  }
+
   void add_cell(Complex::Cell_handle handle) {
     auto& cell = mesh_.cell.emplace_back();
     for (int i = 0; i < 4; ++i) {

@@ -58,8 +58,9 @@ std::string describe(const MeshCase& mesh_case) {
   if (c.thickness_factor > 0) line += fmt::format(" thickness {}", c.thickness_factor);
   if (!c.regions.name.empty()) line += fmt::format(" regions {}", listed(c.regions.name, {.most = all_items}));
   for (const auto& [name, size] : c.near) line += fmt::format(" {} {}", name, size);
-  return line + fmt::format(", bounds {} {} {} to {} {} {}, region {}", c.low.x, c.low.y, c.low.z, c.high.x, c.high.y,
-                            c.high.z, c.region);
+  const auto regions = listed(c.parts, {.most = all_items}, [](const auto& p) { return p.name + " = " + p.sides; });
+  return line + fmt::format(", bounds {} {} {} to {} {} {}, {} {}", c.low.x, c.low.y, c.low.z, c.high.x, c.high.y,
+                            c.high.z, c.parts.empty() ? "region" : "regions", c.parts.empty() ? c.region : regions);
 }
 
 }  // namespace pamr::meshing

@@ -26,9 +26,10 @@ struct Piece {
   bool is_inside() const { return region[1] >= 0; }
 };
 
-/// A part of the domain whose cells are known by its name.
+/// A part of the domain whose cells are known by a name and a number; parts of one number are one region.
 struct DomainRegion {
   std::string name;
+  int number = 1;     ///< from 1 on, in the order of the parts
   double volume = 0;  ///< of the solids that it is, where that is known
 };
 

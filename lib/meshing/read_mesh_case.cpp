@@ -9,10 +9,8 @@
 #include <utility>
 
 #include "meshing/associate/associate_surfaces.hpp"
-#include "meshing/bodies.hpp"
 #include "meshing/cad_case.hpp"
 #include "meshing/charged_spheres.hpp"
-#include "meshing/region.hpp"
 #include "meshing/sphere_in_box.hpp"
 #include "meshing/supersonic_sphere.hpp"
 #include "pamr/base/case_file.hpp"
@@ -95,12 +93,17 @@ Combination read_supersonic_sphere(const TomlTable& mesh) {
   return supersonic_sphere(s);
 }
 
-void require_region(const TomlTable& mesh, const Combination& c, const std::string& where) {
-  try {
-    const Region region(c.region, c.surfaces->name, sides_of(*c.surfaces), where);
-  } catch (const Error& error) {  // "where: what"
-    throw Error(mesh.at("region") + std::string(error.what()).substr(where.size()));
+/// One region as a text, or tables of several.
+void read_regions(const TomlTable& mesh, Combination& c) {
+  constexpr std::string_view sides = "\"+NAME & -NAME ...\"";
+  if (!mesh.has_list("region")) {
+    c.region = mesh.text("region", std::string(sides) + ", or tables [[mesh.region]]");
+    (void)regions_of(c, mesh.at("region"));
+    return;
   }
+  for (const auto& table : mesh.list("region"))
+    c.parts.push_back({table.text("name", "the name of the region"), table.text("sides", sides), table.at("sides")});
+  (void)regions_of(c, mesh.at("region"));
 }
 
 void read_bounds(const TomlTable& mesh, Combination& c) {
@@ -142,8 +145,7 @@ Combination read_combination(const TomlTable& file, const TomlTable& mesh, const
   c.surfaces = std::make_shared<const geometry::SurfaceSet>(
       geometry::surfaces_of_case(file, where, [](const std::string&) { return true; }));
   if (c.surfaces->size() == 0) throw Error(where + ": expected tables [[surface]] for shape \"surfaces\", found none");
-  c.region = mesh.text("region", "\"+NAME & -NAME ...\"");
-  require_region(mesh, c, where);
+  read_regions(mesh, c);
   if (!mesh.has("bounds") && is_all_cad(*c.surfaces))
     bound_by_shapes(c);
   else

@@ -26,15 +26,11 @@ class RegionParser {
  public:
   RegionParser(std::string_view text, std::span<const std::string> names, std::span<const int> side_of,
                const std::string& where, std::vector<int>& program)
-      : text_(text), names_(names), side_of_(side_of), where_(where), program_(program), used_(names.size(), false) {}
+      : text_(text), names_(names), side_of_(side_of), where_(where), program_(program) {}
 
   void read() {
     read_either(0);
     if (next() != '\0') refuse("the end, & or |");
-    for (std::size_t i = 0; i < names_.size(); ++i)
-      if (!used_[static_cast<std::size_t>(side_of_[i])])
-        throw Error(fmt::format("{}: expected every surface in the region, found none of \"{}\" in \"{}\"", where_,
-                                names_[i], text_));
   }
 
  private:
@@ -99,9 +95,7 @@ class RegionParser {
     const auto found = std::find(names_.begin(), names_.end(), text_.substr(at_, end - at_));
     if (found == names_.end()) refuse("the name of a surface");
     at_ = end;
-    const int side = side_of_[static_cast<std::size_t>(found - names_.begin())];
-    used_[static_cast<std::size_t>(side)] = true;
-    return side;
+    return side_of_[static_cast<std::size_t>(found - names_.begin())];
   }
 
   std::string_view text_;
@@ -109,19 +103,36 @@ class RegionParser {
   std::span<const int> side_of_;
   const std::string& where_;
   std::vector<int>& program_;
-  std::vector<bool> used_;
   std::size_t at_ = 0;
 };
 
-Region::Region(std::string_view text, std::span<const std::string> names, std::span<const int> side_of,
-               const std::string& where) {
+Region Region::among_others(std::string_view text, std::span<const std::string> names, std::span<const int> side_of,
+                            const std::string& where) {
   if (const auto n = side_of.empty() ? 0 : static_cast<std::size_t>(side_of.back()) + 1; n > max_surfaces)
     throw Error(fmt::format("{}: expected at most {} surfaces, found {}", where, max_surfaces, n));
-  RegionParser(text, names, side_of, where, program_).read();
+  Region result;
+  RegionParser(text, names, side_of, where, result.program_).read();
+  return result;
+}
+
+Region::Region(std::string_view text, std::span<const std::string> names, std::span<const int> side_of,
+               const std::string& where)
+    : Region(among_others(text, names, side_of, where)) {
+  for (std::size_t i = 0; i < names.size(); ++i)
+    if ((used() >> side_of[i] & 1U) == 0)
+      throw Error(fmt::format("{}: expected every surface in the region, found none of \"{}\" in \"{}\"", where,
+                              names[i], text));
 }
 
 Region::Region(std::string_view text, std::span<const std::string> names, const std::string& where)
     : Region(text, names, counted(names.size()), where) {}
+
+Sides Region::used() const {
+  Sides result = 0;
+  for (const int step : program_)
+    if (step >= 0) result |= Sides{1} << (step / 2);
+  return result;
+}
 
 bool Region::contains(Sides sides) const {
   // An operand of | and one of & wait at each depth of parentheses, which the parser bounds.

@@ -27,11 +27,16 @@ class Region {
          const std::string& where);
   /// The same where each name means a side of its own.
   Region(std::string_view text, std::span<const std::string> names, const std::string& where);
+  /// One of several regions: it need not use all names. Throws as above.
+  static Region among_others(std::string_view text, std::span<const std::string> names, std::span<const int> side_of,
+                             const std::string& where);
 
   bool contains(Sides sides) const;
+  Sides used() const;  ///< a bit for each side that the text names
 
  private:
   friend class RegionParser;
+  Region() = default;
   enum : int { both = -1, either = -2, inverse = -3 };
   std::vector<int> program_;  ///< postfix: 2 i for +i, 2 i + 1 for -i, or an operation
 };

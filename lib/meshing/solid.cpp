@@ -1,10 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "meshing/solid.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numeric>
+
+#include "pamr/base/error.hpp"
+#include "pamr/base/index.hpp"
+#include "pamr/geometry/parameters.hpp"
 
 namespace pamr::meshing {
 
@@ -29,7 +35,27 @@ Sides Solid::sides(Vec3 p) const {
   return result;
 }
 
-int Solid::label(Vec3 p) const {
+int Solid::region_of(Sides sides) const {
+  for (std::size_t r = 0; r < regions.size(); ++r)
+    if (regions[r].contains(sides)) return static_cast<int>(r);
+  return -1;
+}
+
+void Solid::require_apart(Sides sides, Vec3 p) const {
+  const int first = region_of(sides);
+  for (auto r = static_cast<std::size_t>(first) + 1; first >= 0 && r < regions.size(); ++r)
+    if (regions[r].contains(sides))
+      throw Error(fmt::format("expected regions that do not overlap, found {} in {} and in {}", geometry::decimal(p),
+                              region_names[at(first)], region_names[r]));
+}
+
+std::array<int, 2> Solid::regions_beside(int i, Sides sides) const {
+  const int a = region_of(sides & ~bit(i)), b = region_of(sides | bit(i));
+  if (a < 0 || b < 0) return {std::max(a, b), -1};
+  return {std::min(a, b), std::max(a, b)};
+}
+
+Solid::Place Solid::place(Vec3 p) const {
   std::array<double, Region::max_surfaces> distance{};
   Sides here = 0;
   const int n = n_surfaces();
@@ -38,7 +64,7 @@ int Solid::label(Vec3 p) const {
     if (d >= 0) here |= bit(i);
     distance[static_cast<std::size_t>(i)] = std::abs(d);
   }
-  if (region.contains(here)) return -1;
+  if (const int region = region_of(here); region >= 0) return {-1, region};
   std::array<int, Region::max_surfaces> order{};
   const auto end = order.begin() + n;
   std::iota(order.begin(), end, 0);
@@ -49,14 +75,14 @@ int Solid::label(Vec3 p) const {
   // Up to three surfaces meet in a corner, so near the solid three crossings are enough.
   for (auto k = order.begin(); k != end; ++k) {
     const Sides last = here ^ bit(*k);
-    if (region.contains(last)) return *k;
+    if (const int region = region_of(last); region >= 0) return {*k, region};
     for (auto j = order.begin(); j != k; ++j) {
-      if (region.contains(last ^ bit(*j))) return *k;
+      if (const int region = region_of(last ^ bit(*j)); region >= 0) return {*k, region};
       for (auto i = order.begin(); i != j; ++i)
-        if (region.contains(last ^ bit(*j) ^ bit(*i))) return *k;
+        if (const int region = region_of(last ^ bit(*j) ^ bit(*i)); region >= 0) return {*k, region};
     }
   }
-  return order[static_cast<std::size_t>(n - 1)];
+  return {order[static_cast<std::size_t>(n - 1)], -1};
 }
 
 SurfaceSamples sample_surfaces(const Solid& solid) {

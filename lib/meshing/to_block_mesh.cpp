@@ -72,13 +72,13 @@ std::vector<std::int64_t> inner_patches_of(const Domain& domain, const RawMesh& 
   return word;
 }
 
-/// The regions, by numbers from 1 on, and the faces between them. The same fields on every rank; values on rank 0.
+/// The regions by their numbers, and the faces between parts of the domain. The same fields on every rank; values on rank 0.
 void add_regions(const Domain& domain, const RawMesh& mesh, mesh::BlockMesh& block) {
   if (domain.regions.empty()) return;
-  for (const auto& region : domain.regions)
-    block.info.regions.push_back({static_cast<std::int64_t>(block.info.regions.size()) + 1, region.name});
+  for (const auto& part : domain.regions)
+    if (part.number > std::ssize(block.info.regions)) block.info.regions.push_back({part.number, part.name});
   std::vector<std::int64_t> number, word;
-  for (const int region : mesh.region) number.push_back(region + 1);
+  for (const int part : mesh.region) number.push_back(domain.regions[static_cast<std::size_t>(part)].number);
   const bool has_between =
       std::any_of(domain.pieces.begin(), domain.pieces.end(), [](const Piece& piece) { return piece.is_inside(); });
   if (has_between) word = inner_patches_of(domain, mesh, block.cell_to_cell);

@@ -448,6 +448,11 @@ std::vector<TomlTable> TomlTable::list(std::string_view key) const {
   return result;
 }
 
+bool TomlTable::has_list(std::string_view key) const {
+  const auto entry = node_->entries().find(key);
+  return entry != node_->entries().end() && entry->second.node->as<Node::Array>() != nullptr;
+}
+
 std::vector<TomlTable> TomlTable::all_tables() const {
   std::vector<TomlTable> result;
   for (const auto& key : keys()) result.push_back(*find_table(key));

@@ -134,6 +134,8 @@ class TomlTable {
   std::optional<TomlTable> find_table(std::string_view key) const;
   /// The tables of an array of tables, [[key]] or [{...}, ...]; empty where the key is missing.
   std::vector<TomlTable> list(std::string_view key) const;
+  /// True if the key holds an array, for `list`. It does not count as asked for.
+  bool has_list(std::string_view key) const;
   /// All keys of this table, each of which must be a table, in alphabetical order.
   std::vector<TomlTable> all_tables() const;
 

@@ -67,7 +67,7 @@ TEST(InsideGrid, HoldsPointsInsideAndAllThatAreDeepInside) {
   set->add("cube", "test", std::make_shared<CadBody>(model("cube.step"), 0.01));
   const Vec3 margin{0.1, 0.1, 0.1};
   const auto solid =
-      std::make_shared<const Solid>(Solid{set, Region("-cube", set->name, "test"), -margin, Vec3{1, 1, 1} + margin});
+      std::make_shared<const Solid>(Solid{set, {Region("-cube", set->name, "test")}, -margin, Vec3{1, 1, 1} + margin});
   InsideGrid grid(solid);
   std::mt19937_64 random(3);
   std::uniform_real_distribution<double> coordinate(-0.5, 1.5);
