@@ -202,10 +202,11 @@ class Tracer {
     const bool depends_on_a = none != only_a || only_b != all, depends_on_b = none != only_b || only_a != all;
     if (!depends_on_a || !depends_on_b) return false;
     if ((none < 0 && all < 0 && only_a >= 0 && only_b >= 0) || (only_a < 0 && only_b < 0 && none >= 0 && all >= 0))
-      throw Error(
-          fmt::format("expected a region that does not touch itself, found one that does where \"{}\" and "
-                      "\"{}\" meet at {}",
-                      solid_.name(curve.a()), solid_.name(curve.b()), text_of(p)));
+      throw Error(fmt::format("expected {}, found one that does where \"{}\" and \"{}\" meet at {}",
+                              solid_.regions.size() == 1
+                                  ? "a region that does not touch itself"
+                                  : "no region that touches another one, or itself, along an edge alone",
+                              solid_.name(curve.a()), solid_.name(curve.b()), text_of(p)));
     return true;
   }
 

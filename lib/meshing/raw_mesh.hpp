@@ -34,7 +34,7 @@ struct RawMesh {
   std::vector<Binding> binding;                   ///< n_nodes
   std::vector<std::array<std::int32_t, 4>> cell;  ///< n_cells x 4 nodes
   std::vector<BoundaryFace> face;                 ///< the faces with a cell on one side only
-  std::vector<int> region;                        ///< n_cells; empty: the domain is one region
+  std::vector<int> region;                        ///< n_cells, in `Domain::regions`; empty: there are none
   std::vector<BoundaryFace> between;              ///< the faces between two regions, each from one side
 
   geometry::Vec3 position(std::int32_t node) const { return point[static_cast<std::size_t>(node)]; }

@@ -95,14 +95,16 @@ Combination read_supersonic_sphere(const TomlTable& mesh) {
 
 /// One region as a text, or tables of several.
 void read_regions(const TomlTable& mesh, Combination& c) {
-  constexpr std::string_view sides = "\"+NAME & -NAME ...\"";
+  constexpr std::string_view sides = "\"+NAME & -NAME ...\"",
+                             either = "\"+NAME & -NAME ...\", or tables [[mesh.region]]";
   if (!mesh.has_list("region")) {
-    c.region = mesh.text("region", std::string(sides) + ", or tables [[mesh.region]]");
+    c.region = mesh.text("region", either);
     (void)regions_of(c, mesh.at("region"));
     return;
   }
   for (const auto& table : mesh.list("region"))
     c.parts.push_back({table.text("name", "the name of the region"), table.text("sides", sides), table.at("sides")});
+  if (c.parts.empty()) mesh.refuse("region", either);
   (void)regions_of(c, mesh.at("region"));
 }
 

@@ -2,7 +2,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <utility>
+#include <vector>
 
 #include "meshing/blunt_cone.hpp"
 #include "meshing/combination.hpp"
@@ -172,6 +175,15 @@ TEST(Region, RefusesWhatItCannotRead) {
   EXPECT_THROW(Region(std::string(1000, '(') + "+a & +b", names, "where"), Error);
 }
 
+TEST(Region, NeedNotUseAllNamesAmongOthers) {
+  const std::vector<std::string> names{"a", "b", "c"};
+  const auto region = Region::among_others("+a & !(-c)", names, std::vector{0, 1, 1}, "test");
+
+  EXPECT_EQ(region.used(), 0b11U);
+  EXPECT_TRUE(region.contains(0b11));
+  EXPECT_FALSE(region.contains(0b01));
+}
+
 geometry::DescribedSurface unit_ball() {
   return described_sphere("ball", geometry::whole(geometry::Vec3{}), geometry::whole(1));
 }
@@ -246,6 +258,63 @@ TEST(Combination, StartsFromPointsOnASurfaceThatNoEdgeTouches) {
   EXPECT_TRUE(domain.curves.empty());
   EXPECT_EQ(domain.pieces[0].start.size(), 6U);
   for (const auto& p : domain.pieces[0].start) EXPECT_NEAR(norm(p), 1, 1e-15);
+}
+
+/// The unit ball in three parts that meet in a line along z; the first and the last are one region.
+Combination parted_ball() {
+  auto c = notched_ball();
+  c.region.clear();
+  c.parts = {{"a", "-ball & -x", "test:1"}, {"b", "-ball & +x & -y", "test:2"}, {"a", "-ball & +x & +y", "test:3"}};
+  return c;
+}
+
+TEST(Combination, LabelsRegionsAndHasAPieceForEachTwo) {
+  const auto domain = combine(parted_ball(), "test");
+
+  EXPECT_EQ(domain.label({-0.5, 0.1, 0}), Domain::in_region(0));
+  EXPECT_EQ(domain.label({0.3, -0.5, 0}), Domain::in_region(1));
+  EXPECT_EQ(domain.label({0.3, 0.5, 0}), Domain::in_region(2));
+  ASSERT_EQ(domain.regions.size(), 3U);
+  EXPECT_EQ(domain.regions[0].number, 1);
+  EXPECT_EQ(domain.regions[1].number, 2);
+  EXPECT_EQ(domain.regions[2].number, 1);
+  const auto behind = [&](Vec3 p) { return domain.pieces.at(static_cast<std::size_t>(domain.label(p))); };
+  EXPECT_EQ(behind({-1.1, 0.1, 0}).region, (std::array{0, -1}));
+  EXPECT_EQ(behind({0.3, -1.1, 0}).region, (std::array{1, -1}));
+  EXPECT_EQ(behind({0.3, 1.1, 0}).region, (std::array{2, -1}));
+  std::vector<std::pair<int, std::array<int, 2>>> pieces;
+  for (const auto& piece : domain.pieces) pieces.emplace_back(piece.patch, piece.region);
+  EXPECT_THAT(pieces, testing::UnorderedElementsAre(std::pair(0, std::array{0, -1}), std::pair(0, std::array{1, -1}),
+                                                    std::pair(0, std::array{2, -1}), std::pair(1, std::array{0, 1}),
+                                                    std::pair(1, std::array{0, 2}), std::pair(2, std::array{1, 2})));
+}
+
+TEST(Combination, FindsEdgesBetweenRegions) {
+  const auto domain = combine(parted_ball(), "test");
+
+  // the line along z, two half circles in the plane x and one in the plane y: from pole to pole all of them
+  ASSERT_EQ(domain.curves.size(), 4U);
+  for (const auto& curve : domain.curves) {
+    EXPECT_NEAR(std::abs(curve.polyline.front().z), 1, 1e-12);
+    EXPECT_NEAR(std::abs(curve.polyline.back().z), 1, 1e-12);
+    for (const auto& p : curve.polyline) EXPECT_TRUE(p.x == 0 || (p.y == 0 && p.x >= 0));
+  }
+}
+
+TEST(Combination, RefusesRegionsThatOverlapAreEmptyOrTouchAlongAnEdgeAlone) {
+  const auto refuses = [](std::vector<NamedRegion> parts, const char* text) {
+    auto c = notched_ball();
+    c.parts = std::move(parts);
+    EXPECT_THAT([&] { combine(c, "test"); }, testing::ThrowsMessage<Error>(testing::HasSubstr(text)));
+  };
+
+  refuses({{"a", "-ball & -x", "test:1"}, {"b", "-ball & -y", "test:2"}}, R"(] in "a" (test:1) and in "b" (test:2))");
+  refuses({{"a", "-ball & -x & +y", "test:1"}, {"b", "-ball & +x & -x", "test:2"}},
+          R"(region "b" (test:2), found none)");
+  refuses({{"a", "-ball & -x & +y", "test:1"}, {"b", "-ball & +x & -y", "test:2"}}, "along an edge alone");
+  refuses({{"a", "-ball & -x", "test:1"}, {"b", "-ball & +x", "test:2"}}, R"(found "y" in none)");
+  refuses({{"a", "-ball & -x", "test:1"}, {"b", "-ball & +x & (-y | +y)", "test:2"}}, R"(no place where "y" does)");
+  refuses({{"a", "-ball & -x & -z", "test:1"}}, "test:1: expected the name of a surface");
 }
 
 }  // namespace meshing_domain_test
