@@ -61,26 +61,26 @@ void require_within_bounds(const Solid& solid, const std::string& where) {
 /// may not overlap, and some of each must be there.
 void require_some_within_bounds(const Solid& solid, const SurfaceSamples& samples, const std::string& where) {
   constexpr int n = 24;
-  std::size_t n_found = 0;
   std::vector<bool> is_found(solid.regions.size(), false);
-  const auto is_known = [&](Vec3 p) {
+  const auto is_all_known = [&](Vec3 p) {  // of one region a point is enough
     const Sides sides = solid.sides(p);
-    const int region = solid.region_of(sides);
     solid.require_apart(sides, p);
-    if (region >= 0 && !is_found[at(region)]) ++n_found, is_found[at(region)] = true;
-    return n_found == is_found.size() && is_found.size() == 1;
+    const int region = solid.region_of(sides);
+    if (region >= 0) is_found[at(region)] = true;
+    return region >= 0 && is_found.size() == 1;
   };
   const Vec3 size = solid.high - solid.low;
   for (int i = 0; i < n; ++i)
     for (int j = 0; j < n; ++j)
       for (int k = 0; k < n; ++k)
-        if (is_known(solid.low + Vec3{size.x * (i + 0.5) / n, size.y * (j + 0.5) / n, size.z * (k + 0.5) / n})) return;
+        if (is_all_known(solid.low + Vec3{size.x * (i + 0.5) / n, size.y * (j + 0.5) / n, size.z * (k + 0.5) / n}))
+          return;
   const geometry::Box box{solid.low, solid.high};
   for (int s = 0; s < solid.n_surfaces(); ++s)
     for (const Vec3 p : samples[at(s)]) {
       const Vec3 step = 1e-4 * solid.radius() * solid.surface(s).normal(p);
       for (const Vec3 q : {p + step, p - step})
-        if (box.contains(q) && is_known(q)) return;
+        if (box.contains(q) && is_all_known(q)) return;
     }
   for (std::size_t r = 0; r < is_found.size(); ++r)
     if (!is_found[r])

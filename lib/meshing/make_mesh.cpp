@@ -179,7 +179,8 @@ void note_pieces(const par::Comm& comm, const MeshCase& mesh_case, const mesh::D
   if (const auto n = check::count_pieces(comm, mesh); n > 1 && comm.is_first())
     listener.note(
         fmt::format("{}: the mesh is in {} pieces that no face joins, and they are one region: tables [[mesh.region]] "
-                    "of a case file make several, and pamr-mesh of a STEP, IGES or BREP file itself one of each solid",
+                    "make regions of what different surfaces bound, and pamr-mesh of a STEP, IGES or BREP file itself "
+                    "of each solid",
                     mesh_case.where, n));
 }
 

@@ -54,6 +54,7 @@ creases = [[[0, 0, 0], [1, 0, 0]], [[0, 1, 0], [1, 1, 0], [2, 1, 0]]]
   EXPECT_EQ(file.point<Point>("center"), (Point{1, 2.5, -3}));
   EXPECT_THAT(file.points<Point>("corners", 2), ElementsAre(Point{}, Point{1, 1, 1}));
   EXPECT_EQ(file.polylines<Point>("creases")[1].size(), 3U);
+  EXPECT_TRUE(file.has_list("corners"));
   EXPECT_NO_THROW(file.finish());
 }
 
@@ -67,6 +68,8 @@ TEST(TomlTable, TakesFallbacksForMissingKeysOnly) {
   EXPECT_EQ(file.text_or("other", "x"), "x");
   EXPECT_EQ(file.word_or("other", "x", {"y"}), "x");
   EXPECT_TRUE(file.list("other").empty());
+  EXPECT_FALSE(file.has_list("other"));
+  EXPECT_FALSE(file.has_list("number"));
   EXPECT_FALSE(file.find_table("other"));
   EXPECT_THROW(file.number_or("number", 3), Error);
 }
