@@ -28,9 +28,9 @@ struct NamedRegion {
 /// A region bounded by surfaces, or several, as a case file describes them.
 struct Combination {
   geometry::SharedSurfaces surfaces;  ///< each becomes a patch of its name, triangulated ones several (see `Pieces`)
-  std::string region;                 ///< see `Region`; empty where there are
-  std::vector<NamedRegion> parts;
-  geometry::Vec3 low, high;  ///< a box that holds the region, in units of the mesh as all lengths here
+  std::string region;                 ///< see `Region`; empty where there are parts
+  std::vector<NamedRegion> parts;     ///< of several regions
+  geometry::Vec3 low, high;           ///< a box that holds the region, in units of the mesh as all lengths here
   std::string length_unit;
   double far = 0;     ///< largest wanted edge length
   double growth = 0;  ///< of the wanted edge length per distance, no unit; under 1

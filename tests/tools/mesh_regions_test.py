@@ -6,7 +6,7 @@ import pathlib
 import h5py
 import numpy as np
 
-from tool_run import prepare_alone, refuses, run, run_tests, same_bytes
+from tool_run import FULL, prepare_alone, refuses, run, run_tests, same_bytes
 
 prepare_alone("pamr-mark", "pamr-mesh", "pamr-quality")
 
@@ -103,6 +103,9 @@ def require_valid(name, volume):
 def test_a_ball_of_another_material_in_a_box_is_refined_from_both_sides_and_coarsened_again():
     mesh = make([("ball", "-ball"), ("box", IN_BOX + " & +ball")], "far = 0.6\nnear = { ball = 0.35 }", BOX + sphere("ball", 0.7))
     assert mesh.regions == {"ball": 1, "box": 2} and mesh.surfaces == ["x0", "x1", "y0", "y1", "z0", "z1", "ball"]
+    if FULL:
+        run("pamr-mesh", "case.toml", "-o", "one.hdf", serial=True)
+        assert same_bytes("0.hdf", "one.hdf")
     cells, errors = [], []
     for level in range(4):
         mesh = Mesh(f"{level}.hdf")
@@ -115,7 +118,7 @@ def test_a_ball_of_another_material_in_a_box_is_refined_from_both_sides_and_coar
         if level < 3:
             cells.append(refine(f"{level}.hdf", f"{level + 1}.hdf", "--patch", "ball")["cells_in"])
     assert all(3.6 < coarse / fine < 4.4 for coarse, fine in zip(errors, errors[1:])), errors
-    run("pamr-refine", "marked.hdf", "-o", "one.hdf", serial=True)
+    run("pamr-refine", "marked.hdf", "-o", "one.hdf", "--force", serial=True)
     assert same_bytes("3.hdf", "one.hdf")
     for level in (3, 2, 1):
         report = refine(f"{level}.hdf", f"{level - 1}.hdf", "--box", "9,9,9,9,9,9", "--coarsen-rest", serial=True)
