@@ -11,6 +11,7 @@
 #include "pamr/mesh/tet.hpp"
 #include "pamr/par/reproducible_sum.hpp"
 #include "solvers/poisson_boltzmann/fem/elements.hpp"
+#include "solvers/poisson_boltzmann/goals/goal_rest.hpp"
 
 namespace pamr::poisson_boltzmann {
 
@@ -125,28 +126,39 @@ Estimate estimate_error(const par::Comm& comm, const Problem& problem, std::span
 
 namespace {
 
+/// What taking values at the nodes adds to an integral, and the integral of the sizes of these values.
+struct Lumped {
+  double excess = 0, size = 0;
+
+  /// What the excess leaves in a goal that is corrected by it. The correction has it to first order; it changes the
+  /// integrand by the ratio of both, and each further order is taken to be that times the one before.
+  double further() const { return size > 0 ? further_orders(std::abs(excess) / size) * std::abs(excess) : 0; }
+};
+
 /// What a mean of the corners of a cell makes of an integral of `value(u, psi0, weights of the corners)`, less the
 /// integral by Gauss points. psi0 is the profile at the point: between its values at the nodes a straight line is far
 /// above it near a plate of high potential.
 template <class Value>
-double nodal_excess(const Problem& problem, std::size_t number, std::span<const double> u, const Value& value) {
+Lumped nodal_excess(const Problem& problem, std::size_t number, std::span<const double> u, const Value& value) {
   const LinearElement::Points cell(problem.domain, number);
   const auto of_u = at_nodes(cell.nodes, u), psi0 = at_nodes<double>(cell.nodes, problem.conditions.psi0);
-  double at_corners = 0, at_points = 0;
+  Lumped result;
   for (std::size_t k = 0; k < 4; ++k) {
     std::array<double, 4> corner{};
     corner[k] = 1;
-    at_corners += value(of_u[k], psi0[k], corner) / 4;
+    const double there = cell.volume / 4 * value(of_u[k], psi0[k], corner);
+    result.excess += there;
+    result.size += std::abs(there);
   }
   cell.at_points([&](const auto& point) {
-    at_points +=
+    result.excess -=
         point.weight * value(interpolated(point.value, of_u), problem.split_potential(point.position.z), point.value);
   });
-  return cell.volume * at_corners - at_points;
+  return result;
 }
 
 /// What lumping at the nodes makes of the charges of sites, weighted with the dual solution, less the integral over the
-/// face; less by 1 is the dual solution where the goal is that charge. Calls `use(cell, excess)` for each such face.
+/// face; less by 1 is the dual solution where the goal is that charge. Calls `use(cell, Lumped)` for each such face.
 template <class Use>
 void at_lumped_sites(const Problem& problem, const GoalInput& in, const Use& use) {
   const auto& domain = problem.domain;
@@ -157,14 +169,18 @@ void at_lumped_sites(const Problem& problem, const GoalInput& in, const Use& use
     const double counted = (in.counted >> static_cast<unsigned>(patch) & 1U) != 0 ? 1 : 0;
     const LinearElement::Face face(domain, f);
     const auto u = face.values(in.u), w = face.values(in.w);
-    double excess = 0;
-    const auto add = [&](const auto& point, double factor, double psi0) {
-      excess += factor * point.area * b.site.value(psi0 + interpolated(point.value, u)) *
-                (interpolated(point.value, w) - counted);
+    Lumped lumped;
+    const auto value = [&](const auto& point, double psi0) {
+      return point.area * b.site.value(psi0 + interpolated(point.value, u)) * (interpolated(point.value, w) - counted);
     };
-    face.at_wall_points([&](const auto& point) { add(point, 1, face.split_potential(problem, point)); });
-    face.at_points([&](const auto& point) { add(point, -1, problem.split_potential(point.position.z)); });
-    use(at(domain.faces[f].cell), excess);
+    face.at_wall_points([&](const auto& point) {
+      const double there = value(point, face.split_potential(problem, point));
+      lumped.excess += there;
+      lumped.size += std::abs(there);
+    });
+    face.at_points(
+        [&](const auto& point) { lumped.excess -= value(point, problem.split_potential(point.position.z)); });
+    use(at(domain.faces[f].cell), lumped);
   }
 }
 
@@ -176,31 +192,39 @@ GoalError goal_error(const par::Comm& comm, const Problem& problem, const GoalIn
   const auto& cells = domain.mesh->cell_to_node;
   GoalError result;
   result.share.resize(cells.size());
-  std::array<par::ExactSum, 1> sum;
+  std::array<par::ExactSum, 3> sums;
   for (std::size_t c = 0; c < cells.size(); ++c) {
     const double volume = geometry::volume(domain.points(c));
     const auto error_u = differences(domain.recovery_nodes(c), in.recovered_u, in.gradient_u[c]);
-    const auto error_w = differences(domain.recovery_nodes(c), in.recovered_w, in.gradient_w[c]);
+    std::array<Vec3, 4> error_w;
+    for (std::size_t k = 0; k < 4; ++k)
+      error_w[k] = in.dual.recovered_in(c, k, at(domain.recovery_nodes(c)[k])) - in.dual.of_cells[c];
     double correction = mark::integral_of_product(volume, error_u, error_w);
     result.share[c] = std::sqrt(mark::integral_of_product(volume, error_u, error_u) *
                                 mark::integral_of_product(volume, error_w, error_w));
+    sums[1].add(result.share[c]);
     if (is_nodal) {
-      const double excess = nodal_excess(problem, c, in.u, [&](double u, double psi0, const auto& weight_of_corner) {
+      const auto lumped = nodal_excess(problem, c, in.u, [&](double u, double psi0, const auto& weight_of_corner) {
         double w = 0;
         for (std::size_t k = 0; k < 4; ++k) w += weight_of_corner[k] * in.w[at(cells[c][k])];
         return problem.term.value(u, psi0) * w;
       });
-      correction += excess;
-      result.share[c] += std::abs(excess);
+      correction += lumped.excess;
+      result.share[c] += std::abs(lumped.excess);
+      sums[2].add(lumped.further());
     }
-    sum[0].add(correction);
+    sums[0].add(correction);
   }
   if (problem.input.has_regulated())
-    at_lumped_sites(problem, in, [&](std::size_t cell, double excess) {
-      sum[0].add(-excess);
-      result.share[cell] += std::abs(excess);
+    at_lumped_sites(problem, in, [&](std::size_t cell, const Lumped& lumped) {
+      sums[0].add(-lumped.excess);
+      result.share[cell] += std::abs(lumped.excess);
+      sums[2].add(lumped.further());
     });
-  result.correction = par::reproducible_sums(comm, sum)[0];
+  const auto totals = par::reproducible_sums(comm, sums);
+  result.correction = totals[0];
+  result.recovered = totals[1];
+  result.lumped = totals[2];
   return result;
 }
 
@@ -208,14 +232,19 @@ GoalError energy_error(const par::Comm& comm, const Problem& problem, std::span<
                        std::span<const double> squared) {
   GoalError result;
   result.share.resize(squared.size());
-  std::array<par::ExactSum, 1> sum;
+  std::array<par::ExactSum, 3> sums;
   for (std::size_t c = 0; c < squared.size(); ++c) {
-    const double excess = nodal_excess(
+    const auto lumped = nodal_excess(
         problem, c, u, [&](double value, double psi0, const auto&) { return problem.term.pressure(value, psi0); });
-    result.share[c] = squared[c] / 2 + std::abs(excess);
-    sum[0].add(-squared[c] / 2 - excess);
+    result.share[c] = squared[c] / 2 + std::abs(lumped.excess);
+    sums[0].add(-squared[c] / 2 - lumped.excess);
+    sums[1].add(squared[c] / 2);
+    sums[2].add(lumped.further());
   }
-  result.correction = par::reproducible_sums(comm, sum)[0];
+  const auto totals = par::reproducible_sums(comm, sums);
+  result.correction = totals[0];
+  result.recovered = totals[1];
+  result.lumped = totals[2];
   return result;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <span>
 #include <vector>
 
@@ -48,10 +49,29 @@ struct GoalError {
   /// what nodal quadrature adds, that of walls with sites included, on the meshed part. For a charge by nodal
   /// reactions, whose w is 1 on the patch and which is the residual with w, it is that with the other sign.
   double correction = 0;
+  double recovered = 0;  ///< sum of the shares without what nodal quadrature has in them
+  /// What is left of the latter once the goal is corrected. It is computed from u_h and w and not estimated, so that
+  /// this is far less.
+  double lumped = 0;
+};
+/// Gradients of a dual solution (`dual_gradient.hpp`).
+struct DualGradient {
+  std::vector<geometry::Vec3> of_cells;   ///< n_cells
+  std::vector<geometry::Vec3> recovered;  ///< in the order of `recover`, of the part that is smooth
+  /// What the rest is: minus `along`, at the corners of cells, times the gradient of a cut-off function on them (n_cells;
+  /// empty: there is none).
+  std::vector<std::array<double, 4>> along;
+  std::vector<geometry::Vec3> cut_off;
+
+  /// At a corner of a cell, which has this number in the order of `recover`, as the cell sees it.
+  geometry::Vec3 recovered_in(std::size_t cell, std::size_t corner, std::size_t number) const {
+    return cut_off.empty() ? recovered[number] : recovered[number] - along[cell][corner] * cut_off[cell];
+  }
 };
 struct GoalInput {
   std::span<const double> u, w;
-  std::span<const geometry::Vec3> gradient_u, recovered_u, gradient_w, recovered_w;  ///< on cells, at nodes
+  std::span<const geometry::Vec3> gradient_u, recovered_u;  ///< on cells, at nodes
+  const DualGradient& dual;
   std::uint64_t counted = 0;  ///< patches of sites whose charge is the goal (bit p for patch p)
 };
 /// Collective: one reduction. Source: R. Becker, R. Rannacher, Acta Numerica 10 (2001), with recovered gradients.

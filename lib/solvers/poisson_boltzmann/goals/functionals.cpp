@@ -43,10 +43,17 @@ PatchResult& result_named(const std::string& name, Functionals& result) {
                        [&](const PatchResult& patch) { return patch.name == name; });
 }
 
-/// The bars of second order need the parts of cells as well. Collective.
+/// `squares` are J''(e, e)/2 on cells. With the dual solution of the derivative at u_h, which that of second order is,
+///
+///     J(u) - J(u_h) = J'(u_h)e + J''(e, e)/2 = J'(u)e - J''(e, e)/2.
+///
+/// Recovered gradients are smooth: of first order they are those of the dual solution of the derivative at u, which has
+/// a smooth stress, while that of u_h jumps from cell to cell. Bars of second order need the parts of cells as well.
+/// Collective.
 void set_remainder(const par::Comm& comm, const State& state, std::vector<double> squares, GoalFunctional& goal) {
-  goal.remainder = par::reproducible_sum(comm, squares);
-  if (state.cubic != nullptr) goal.squares = std::move(squares);
+  const bool is_linear = state.cubic == nullptr;
+  goal.remainder = (is_linear ? -1 : 1) * par::reproducible_sum(comm, squares);
+  if (!is_linear) goal.squares = std::move(squares);
 }
 
 void set_volume_goal(const par::Comm& comm, const State& state, const Electrode& electrode, const PatchResult& patch,
@@ -60,9 +67,10 @@ void set_volume_goal(const par::Comm& comm, const State& state, const Electrode&
       state.problem.domain, [&](const auto& element) { return decltype(goal_space(element, state))::has_walls; });
   goal.through_walls = is_torque || has_walls ? 0 : patch.through_walls[axis];
   goal.factor = mirrors.factor;
-  const Component component{goal.goal.axis, is_torque, electrode.center};
-  goal.load = volume_form_derivative(comm, state, cut_off.chi, cut_off.open_walls, component);
-  set_remainder(comm, state, volume_form_remainder(state, cut_off.chi, cut_off.open_walls, component), goal);
+  goal.component = {goal.goal.axis, is_torque, electrode.center};
+  if (state.cubic == nullptr) goal.cut_off = cut_off.chi;
+  goal.load = volume_form_derivative(comm, state, cut_off.chi, cut_off.open_walls, goal.component);
+  set_remainder(comm, state, volume_form_remainder(state, cut_off.chi, cut_off.open_walls, goal.component), goal);
 }
 
 void add_volume_form(const par::Comm& comm, const State& state, System& system, const Electrode& electrode,

@@ -6,6 +6,7 @@
 #include "solvers/poisson_boltzmann/fem/solve.hpp"
 #include "solvers/poisson_boltzmann/goals/midplane_force.hpp"
 #include "solvers/poisson_boltzmann/goals/surface_force.hpp"
+#include "solvers/poisson_boltzmann/goals/volume_force.hpp"
 
 namespace pamr::poisson_boltzmann {
 
@@ -21,6 +22,10 @@ struct GoalFunctional {
   std::vector<double> load;
   std::vector<double> fixed;  ///< n_nodes, or empty: the dual solution where u is given
   std::uint64_t counted = 0;  ///< bit p: the charge of the sites on patch p is part of the value
+
+  /// Of a force or torque of first order: its cut-off function (n_nodes) and component; empty elsewhere.
+  std::vector<double> cut_off;
+  Component component;
 
   bool counts(int patch) const { return (counted >> static_cast<unsigned>(patch) & 1U) != 0; }
 };

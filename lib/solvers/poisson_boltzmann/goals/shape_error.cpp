@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solvers/poisson_boltzmann/goals/shape_error.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -88,7 +89,7 @@ void at_curved_walls(const Element& element, const State& state, const Goal& goa
 }  // namespace
 
 ShapeError shape_error(const par::Comm& comm, const State& state, const GoalFunctional& functional,
-                       const DualGradients& dual) {
+                       std::span<const double> w, const DualGradient& dual) {
   const auto& problem = state.problem;
   const auto& domain = problem.domain;
   const auto traces_of = [&](const LinearElement::Face& face, const Boundary& b) {
@@ -98,14 +99,18 @@ ShapeError shape_error(const par::Comm& comm, const State& state, const GoalFunc
     traces[0].counted = functional.counts(on.patch) ? 1 : 0;
     traces[1] = traces[0];
     traces[1].gradient = mean_of(state.recovered, on) + Vec3{0, 0, traces[0].base};
-    traces[1].dual_gradient = mean_of(dual.recovered, on);
-    const auto u = face.values(state.u), w = face.values(dual.w);
-    return [&problem, &face, traces, u, w](const LinearElement::Face::Point& point) {
+    traces[1].dual_gradient = Vec3{};
+    const auto& nodes = domain.mesh->cell_to_node[at(on.cell)];
+    for (std::size_t k = 0; k < nodes.size(); ++k)
+      if (std::find(on.node.begin(), on.node.end(), nodes[k]) != on.node.end())
+        traces[1].dual_gradient += (1.0 / 3) * dual.recovered_in(at(on.cell), k, at(nodes[k]));
+    const auto u = face.values(state.u), of_w = face.values(w);
+    return [&problem, &face, traces, u, of_w](const LinearElement::Face::Point& point) {
       auto result = traces;
       for (auto& here : result) {
         here.u = interpolated(point.value, u);
         here.psi0 = face.split_potential(problem, point);
-        here.w = interpolated(point.value, w);
+        here.w = interpolated(point.value, of_w);
       }
       return result;
     };

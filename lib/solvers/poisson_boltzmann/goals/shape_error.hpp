@@ -2,6 +2,7 @@
 #pragma once
 
 #include "solvers/poisson_boltzmann/goals/cubic_correction.hpp"
+#include "solvers/poisson_boltzmann/goals/error_estimate.hpp"
 #include "solvers/poisson_boltzmann/goals/functionals.hpp"
 
 namespace pamr::poisson_boltzmann {
@@ -12,13 +13,10 @@ struct ShapeError {
   double correction = 0;
   double rest = 0;  ///< the square of the distance, and what recovered gradients in place of those used would change
 };
-struct DualGradients {
-  std::span<const double> w;                            ///< n_nodes
-  std::span<const geometry::Vec3> of_cells, recovered;  ///< n_cells, n_nodes
-};
-/// By shape_change.hpp. 0 where the mesh knows no curved surface. Collective: three exact sums.
+/// By shape_change.hpp, with the dual solution w (n_nodes). 0 where the mesh knows no curved surface. Collective: three
+/// exact sums.
 ShapeError shape_error(const par::Comm& comm, const State& state, const GoalFunctional& functional,
-                       const DualGradients& dual);
+                       std::span<const double> w, const DualGradient& dual);
 
 /// The correction of second order, for what curved faces miss of their surfaces, with the gradients of third order. What
 /// is left is added to `dual.rest`: the errors of these gradients, the square of the distance times the wave number of
