@@ -58,8 +58,8 @@ struct GoalError {
 struct DualGradient {
   std::vector<geometry::Vec3> of_cells;   ///< n_cells
   std::vector<geometry::Vec3> recovered;  ///< in the order of `recover`, of the part that is smooth
-  /// What the rest is: minus `along`, at the corners of cells, times the gradient of a cut-off function on them (n_cells;
-  /// empty: there is none).
+  /// The rest is minus `along`, at the corners of cells, times the gradient of a cut-off function on them (n_cells; empty:
+  /// there is none).
   std::vector<std::array<double, 4>> along;
   std::vector<geometry::Vec3> cut_off;
 
