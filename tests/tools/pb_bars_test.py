@@ -80,6 +80,19 @@ def test_a_bar_of_first_order_holds_the_truth_between_plates_or_is_withheld():
 
 
 @of_one_process
+def test_bars_of_first_order_hold_where_few_cells_are_in_a_layer():
+    # Cells of 0.5 to 1 layers: the energy has no bar of charges, and all cells err alike. At 1 and -1 with two cells between the
+    # plates the integrand of the force's correction is 0 at all nodes.
+    for n, low, high in ((2, 2.5, 2.5), (4, 4, 4), (9, 5.5, 5.5), (12, 5, 5), (2, 1, -1), (2, 2.5, -2.5)):
+        text = ('[estimator]\ngoals = ["force-z", "energy"]\ngoal_patch = "zmin"\n'
+                + boundary(zmin=("potential", low), zmax=("potential", high)))
+        exact = plates(low, high)
+        for name, goal in goals_of(solve(text, cube(n))[0]).items():
+            error = abs(goal["corrected"] - exact[name])
+            assert error < goal["error_bar"] < 0.4 * abs(exact[name]), (n, low, high, name, goal, exact[name])
+
+
+@of_one_process
 def test_a_bar_on_a_coarse_mesh_says_so():
     # Between plates at 1 and 0.3 the stress of the field is nearly that of the ions: shares are large beside the force.
     says = "coarse mesh: compare two levels"

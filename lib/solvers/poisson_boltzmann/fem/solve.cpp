@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "pamr/base/index.hpp"
 #include "solvers/poisson_boltzmann/fem/harmonic.hpp"
@@ -216,6 +217,11 @@ Solution System::solve(std::span<const double> start, const std::function<void(c
     solution.reason = "the residual of the potential that is 0 off the boundary is no number";
     return solution;
   }
+  // Where potentials cancel, as between two cells of opposite ones, what is left at the free nodes may be rounding alone.
+  constexpr double rounding_of_residual = 4 * std::numeric_limits<double>::epsilon();
+  double largest_term = 0;
+  residual(unknown_, work_, true);
+  require(VecNorm(work_, NORM_2, &largest_term));
   if (!start.empty() && solution.first_residual > 0) {  // else u = 0 is the solution
     for (std::size_t i = 0; i < first.size(); ++i)
       if (conditions_.fixed[i] == 0) first[i] = start[i];
@@ -224,7 +230,8 @@ Solution System::solve(std::span<const double> start, const std::function<void(c
 
   MonitorContext context{&show, &solution.steps, 0};
   const auto& options = problem_.input.solver;
-  const double tolerance = std::max(options.tolerance * solution.first_residual, 1e-300);
+  const double tolerance =
+      std::max({options.tolerance * solution.first_residual, rounding_of_residual * largest_term, 1e-300});
   require(SNESSetTolerances(snes_, tolerance, 0, 0, options.max_newton, 1000000));
   require(SNESMonitorSet(snes_, monitor, &context, nullptr));
   const auto code = SNESSolve(snes_, nullptr, unknown_);

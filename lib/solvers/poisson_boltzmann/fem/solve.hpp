@@ -47,7 +47,8 @@ class System {
   /// - Starts from `start` (u at the local nodes) or, when it is empty, from 0 off the boundary. Of the solution, which
   ///   is the only one, the start decides no more than what the tolerance leaves open.
   /// - `show` is called with each line of the convergence table.
-  /// - Converged when the residual is below `tolerance` times that of the potential that is 0 off the boundary.
+  /// - Converged when the residual is below `tolerance` times that of the potential that is 0 off the boundary, or what
+  ///   rounding leaves of the latter.
   Solution solve(std::span<const double> start, const std::function<void(const NewtonStep&)>& show);
 
   /// Solution w of the linearized equation at the last solution, w = `value` where u is given (zeros when empty), with

@@ -59,6 +59,17 @@ void compare_with_manufactured(const par::Comm& comm, const State& state, Analys
 /// many bars hold is in docs/reports/charged-spheres-bars-order-1.md.
 constexpr double bar_over_shares = 1.0 / 3, bar_over_walls = 0.2;
 
+/// The same of a goal. The energy is below that of u_h by a square, so that all cells err alike and nothing averages out:
+/// what a recovered gradient leaves of it is the height of the cells over the thickness of the layer at a wall, as
+/// recovery is of one order more than the gradient.
+double bar_over_shares_of(const Goal& goal, const Layers& layers) {
+  double result = bar_over_shares;
+  if (goal.kind != Goal::Kind::energy) return result;
+  for (const auto& layer : layers.patches)
+    if (!layer.is_known) result = std::max(result, layer.ratio);
+  return result;
+}
+
 /// Least error bar over the value: what integration by points, the tolerance of the solver and rounding may leave.
 constexpr double min_bar = 1e-8;
 
@@ -86,13 +97,13 @@ struct DualError {
 
 /// Of first order. Collective.
 DualError error_by_dual(const par::Comm& comm, const State& state, const GoalFunctional& functional,
-                        const std::vector<double>& w, const Estimate& estimate) {
+                        const std::vector<double>& w, const Analysis& analysis) {
   const auto dual = dual_gradient(comm, state, functional, w);
   auto error =
       goal_error(comm, state.problem, {state.u, w, state.cell_gradient, state.recovered, dual, functional.counted});
   if (functional.goal.kind == Goal::Kind::charge) error.correction = -error.correction;
   if (functional.goal.kind == Goal::Kind::energy) {
-    const auto of_energy = energy_error(comm, state.problem, state.u, estimate.squared);
+    const auto of_energy = energy_error(comm, state.problem, state.u, analysis.estimate.squared);
     error.correction += of_energy.correction;
     error.recovered += of_energy.recovered;
     error.lumped += of_energy.lumped;
@@ -100,8 +111,8 @@ DualError error_by_dual(const par::Comm& comm, const State& state, const GoalFun
   }
   const auto shape = shape_error(comm, state, functional, w, dual);
   error.correction += functional.remainder + shape.correction;
-  const double bar = bar_over_shares * error.recovered + error.lumped + shape.rest +
-                     charge_at_edges(comm, state, functional.counted, w);
+  const double bar = bar_over_shares_of(functional.goal, analysis.layers) * error.recovered + error.lumped +
+                     shape.rest + charge_at_edges(comm, state, functional.counted, w);
   return {std::move(error.share), error.correction, bar};
 }
 
@@ -129,7 +140,7 @@ void add_goals(const par::Comm& comm, const State& state, System& system, std::v
   for (auto& functional : functionals) {
     const auto w = system.solve_linearised(functional.load, functional.fixed);
     auto error = state.cubic != nullptr ? error_by_cubic_dual(comm, state, functional, w)
-                                        : error_by_dual(comm, state, functional, w, result.estimate);
+                                        : error_by_dual(comm, state, functional, w, result);
     GoalResult goal;
     goal.goal = functional.goal;
     goal.value = functional.value;

@@ -131,8 +131,12 @@ struct Lumped {
   double excess = 0, size = 0;
 
   /// What the excess leaves in a goal that is corrected by it. The correction has it to first order; it changes the
-  /// integrand by the ratio of both, and each further order is taken to be that times the one before.
-  double further() const { return size > 0 ? further_orders(std::abs(excess) / size) * std::abs(excess) : 0; }
+  /// integrand by the ratio of both, and each further order is taken to be that times the one before: at most all of
+  /// it, as where the integrand is 0 at all nodes.
+  double further() const {
+    const double most = std::abs(excess);
+    return most < size ? further_orders(most / size) * most : most;
+  }
 };
 
 /// What a mean of the corners of a cell makes of an integral of `value(u, psi0, weights of the corners)`, less the
