@@ -18,6 +18,7 @@
 #include "pamr/geometry/cad/cad_surface.hpp"
 #include "pamr/geometry/surface_toml.hpp"
 #include "pamr/geometry/triangulated/triangulated_surface.hpp"
+#include "pamr/io/text.hpp"
 
 namespace pamr::meshing {
 namespace {
@@ -93,6 +94,14 @@ Combination read_supersonic_sphere(const TomlTable& mesh) {
   return supersonic_sphere(s);
 }
 
+/// A text that files and reports can hold: neither blank nor with control characters.
+std::string read_word(const TomlTable& table, std::string_view key, std::string_view expected) {
+  auto word = table.text(key, expected);
+  if (word.find_first_not_of(' ') == std::string::npos || !io::is_clean_text(word, ""))
+    table.refuse(key, std::string(expected) + ", neither blank nor with control characters");
+  return word;
+}
+
 /// One region as a text, or tables of several.
 void read_regions(const TomlTable& mesh, Combination& c) {
   constexpr std::string_view sides = "\"+NAME & -NAME ...\"",
@@ -103,7 +112,8 @@ void read_regions(const TomlTable& mesh, Combination& c) {
     return;
   }
   for (const auto& table : mesh.list("region"))
-    c.parts.push_back({table.text("name", "the name of the region"), table.text("sides", sides), table.at("sides")});
+    c.parts.push_back(
+        {read_word(table, "name", "the name of the region"), table.text("sides", sides), table.at("sides")});
   if (c.parts.empty()) mesh.refuse("region", either);
   (void)regions_of(c, mesh.at("region"));
 }
@@ -158,7 +168,7 @@ Combination read_combination(const TomlTable& file, const TomlTable& mesh, const
 
 /// The unit of the mesh; shapes with lengths of their own have only one.
 std::string read_unit(const TomlTable& mesh, const std::string& shape) {
-  if (shape == "surfaces") return mesh.text("length_unit", "a unit");
+  if (shape == "surfaces") return read_word(mesh, "length_unit", "a unit");
   const std::string unit = shape == "blunt-cone" || shape == "supersonic-sphere" ? "m" : "1";
   const auto expected = fmt::format("\"{}\" for shape \"{}\"", unit, shape);
   if (mesh.text("length_unit", expected) != unit) mesh.refuse("length_unit", expected);

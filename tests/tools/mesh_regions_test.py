@@ -188,6 +188,8 @@ def test_what_does_not_fit_is_said():
             ([ball, box], "", ("[mesh]", '[mesh]\nregion = "-ball"'), ["mesh.region", ":6"]),
             ([ball, box], "", ("sides =", "side ="), [":7:1", "did you mean 'sides'?"]),
             ([ball, box], "", ('name = "ball"\nsides', "sides"), [":5:1", "expected name"]),
+            ([ball, box], "", ('name = "ball"', 'name = "a\\u0007"'), [":6:8", "neither blank nor with control characters"]),
+            ([ball, box], "", ('name = "ball"', 'name = "  "'), [":6:8", "neither blank"]),
             ([], "", ("[mesh]", "[mesh]\nregion = []"), [":2:10", "or tables [[mesh.region]]"]),
             ([], "", ("", ""), ["region", "or tables [[mesh.region]]", "none"])):
         case(regions, "far = 0.6", surfaces + more)
