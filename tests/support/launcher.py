@@ -3,8 +3,9 @@
 import re
 import subprocess
 
-# mpirun complains of a socket that it has just closed, when ranks end together, and of a limit on the size of files
-_CHATTER = re.compile(r"^(\[warn\] Epoll|.*Forwarding signal).*\n?", re.MULTILINE)
+# mpirun complains of a socket that it has just closed, when ranks end together, and of a limit on the size of files; that of
+# Open MPI 5 of a rank that it does not reach any more
+_CHATTER = re.compile(r"^(\[warn\] Epoll|.*Forwarding signal|\[[^\]\n]*\] PMIX ERROR: PMIX_ERR_UNREACH ).*\n*", re.MULTILINE)
 
 
 def without_chatter(err):
