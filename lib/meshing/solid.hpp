@@ -47,8 +47,8 @@ struct Solid {
   }
 
   /// Where a point lies: in a region, or behind the surface to cross last on the least way in, lengths measured by the
-  /// largest distance from any surface crossed: what a `Domain` calls the piece behind which the point lies. The borders
-  /// between these parts of the outside meet the solid in its edges and nowhere else.
+  /// largest distance from any surface crossed: what a `Domain` calls the piece behind which the point lies. The
+  /// borders between these parts of the outside meet the solid in its edges and nowhere else.
   struct Place {
     int surface = -1;  ///< -1: the point lies in the region
     int region = -1;   ///< that the point lies in, or that the way in leads to; -1: no way is known

@@ -72,7 +72,8 @@ std::vector<std::int64_t> inner_patches_of(const Domain& domain, const RawMesh& 
   return word;
 }
 
-/// The regions by their numbers, and the faces between parts of the domain. The same fields on every rank; values on rank 0.
+/// The regions by their numbers, and the faces between parts of the domain. The same fields on every rank; values on
+/// rank 0.
 void add_regions(const Domain& domain, const RawMesh& mesh, mesh::BlockMesh& block) {
   if (domain.regions.empty()) return;
   for (const auto& part : domain.regions)

@@ -137,7 +137,8 @@ TEST(Goal, CorrectsAForceWhoseCutOffFunctionFallsWithinThreeCells) {
 
 TEST(Goal, HasFurtherOrdersOfNodalQuadratureInItsBarAlone) {
   par::Comm comm(MPI_COMM_WORLD);
-  // Nine tenths of the shares are what lumping at the nodes costs, which the correction has: the bar was a third of all.
+  // Nine tenths of the shares are what lumping at the nodes costs, which the correction has: the bar was a third of
+  // all.
   Solved solved(comm, test::kuhn_cube(comm, 8), between_walls("-1", "2") + "goals = [\"charge\", \"energy\"]\n");
 
   for (const auto& goal : solved.analysis(comm).goals) EXPECT_LT(goal.error_bar.value(), 0.2 * goal.error_bound);

@@ -217,7 +217,8 @@ Solution System::solve(std::span<const double> start, const std::function<void(c
     solution.reason = "the residual of the potential that is 0 off the boundary is no number";
     return solution;
   }
-  // Where potentials cancel, as between two cells of opposite ones, what is left at the free nodes may be rounding alone.
+  // Where potentials cancel, as between two cells of opposite ones, what is left at the free nodes may be rounding
+  // alone.
   constexpr double rounding_of_residual = 4 * std::numeric_limits<double>::epsilon();
   double largest_term = 0;
   residual(unknown_, work_, true);

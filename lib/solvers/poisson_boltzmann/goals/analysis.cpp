@@ -59,8 +59,8 @@ void compare_with_manufactured(const par::Comm& comm, const State& state, Analys
 /// many bars hold is in docs/reports/charged-spheres-bars-order-1.md.
 constexpr double bar_over_shares = 1.0 / 3, bar_over_walls = 0.2;
 
-/// The same of a goal. The energy is below that of u_h by a square, so that all cells err alike and nothing averages out:
-/// what a recovered gradient leaves of it is the height of the cells over the thickness of the layer at a wall, as
+/// The same of a goal. The energy is below that of u_h by a square, so that all cells err alike and nothing averages
+/// out: what a recovered gradient leaves of it is the height of the cells over the thickness of the layer at a wall, as
 /// recovery is of one order more than the gradient.
 double bar_over_shares_of(const Goal& goal, const Layers& layers) {
   double result = bar_over_shares;

@@ -130,9 +130,9 @@ namespace {
 struct Lumped {
   double excess = 0, size = 0;
 
-  /// What the excess leaves in a goal that is corrected by it. The correction has it to first order; it changes the
-  /// integrand by the ratio of both, and each further order is taken to be that times the one before: at most all of
-  /// it, as where the integrand is 0 at all nodes.
+  /// A bound for the error that the excess leaves in a goal after its correction, which contains the excess to first
+  /// order. Each further order is taken to be excess over size times the order before. The bound is at most the excess
+  /// itself, which it reaches where the integrand is 0 at all nodes.
   double further() const {
     const double most = std::abs(excess);
     return most < size ? further_orders(most / size) * most : most;
@@ -188,6 +188,14 @@ void at_lumped_sites(const Problem& problem, const GoalInput& in, const Use& use
   }
 }
 
+/// Collective.
+void set_sums(const par::Comm& comm, std::array<par::ExactSum, 3>& sums, GoalError& result) {
+  const auto totals = par::reproducible_sums(comm, sums);
+  result.correction = totals[0];
+  result.recovered = totals[1];
+  result.lumped = totals[2];
+}
+
 }  // namespace
 
 GoalError goal_error(const par::Comm& comm, const Problem& problem, const GoalInput& in) {
@@ -225,10 +233,7 @@ GoalError goal_error(const par::Comm& comm, const Problem& problem, const GoalIn
       result.share[cell] += std::abs(lumped.excess);
       sums[2].add(lumped.further());
     });
-  const auto totals = par::reproducible_sums(comm, sums);
-  result.correction = totals[0];
-  result.recovered = totals[1];
-  result.lumped = totals[2];
+  set_sums(comm, sums, result);
   return result;
 }
 
@@ -245,10 +250,7 @@ GoalError energy_error(const par::Comm& comm, const Problem& problem, std::span<
     sums[1].add(squared[c] / 2);
     sums[2].add(lumped.further());
   }
-  const auto totals = par::reproducible_sums(comm, sums);
-  result.correction = totals[0];
-  result.recovered = totals[1];
-  result.lumped = totals[2];
+  set_sums(comm, sums, result);
   return result;
 }
 

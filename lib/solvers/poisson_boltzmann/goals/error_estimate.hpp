@@ -50,16 +50,17 @@ struct GoalError {
   /// reactions, whose w is 1 on the patch and which is the residual with w, it is that with the other sign.
   double correction = 0;
   double recovered = 0;  ///< sum of the shares without what nodal quadrature has in them
-  /// What is left of the latter once the goal is corrected. It is computed from u_h and w and not estimated, so that
-  /// this is far less.
+  /// A bound for the error of nodal quadrature that remains after the correction: the further orders. The first order
+  /// is computed from u_h and w, not estimated, so this is far smaller than its part of the shares.
   double lumped = 0;
 };
+
 /// Gradients of a dual solution (`dual_gradient.hpp`).
 struct DualGradient {
   std::vector<geometry::Vec3> of_cells;   ///< n_cells
   std::vector<geometry::Vec3> recovered;  ///< in the order of `recover`, of the part that is smooth
-  /// The rest is minus `along`, at the corners of cells, times the gradient of a cut-off function on them (n_cells; empty:
-  /// there is none).
+  /// The rest is minus `along`, at the corners of cells, times the gradient of a cut-off function on them (n_cells;
+  /// empty: there is none).
   std::vector<std::array<double, 4>> along;
   std::vector<geometry::Vec3> cut_off;
 
