@@ -47,6 +47,11 @@ def lines_by_level(text):
     return {row["level"]: row for row in rows}
 
 
+def line_of_json(text):
+    """The values of the one line of JSON that a code prints; whatever else its libraries print is passed over."""
+    return json.loads(next(line for line in text.splitlines() if line.startswith("{")))
+
+
 @dataclasses.dataclass
 class Work:
     """A workload: of what kind, on which mesh for us and for others, and how far."""

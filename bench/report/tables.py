@@ -9,7 +9,7 @@ import statistics
 import sys
 
 import rows
-from measure import Failed, Work, load, output_of
+from measure import Failed, Work, line_of_json, load, output_of
 from tool_tables import cad_table, file_table
 
 HERE = pathlib.Path(__file__).resolve().parent
@@ -186,7 +186,7 @@ def read_table(context):
                 limits.append(context.bench.limit())
                 ours.append(json.loads(output_of(our_command, context.environment)))
                 text = output_of(command, environment)
-                runs.append(json.loads(next(line for line in text.splitlines() if line.startswith("{"))))
+                runs.append(line_of_json(text))
         except Failed as error:
             notes[name] = str(error)
             continue

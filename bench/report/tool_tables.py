@@ -9,7 +9,7 @@ import statistics
 import time
 
 import rows
-from measure import Failed, load, output_of
+from measure import Failed, line_of_json, load, output_of
 
 BENCH = pathlib.Path(__file__).resolve().parents[1]
 PARTS = BENCH.parent / "tests/unit/geometry/data"
@@ -66,6 +66,7 @@ def cad_rows(part, size, codes, limit, load_then):
 
 def cad_table(context):
     sizes = {"whole": (0.15, 0.15, 0.06), "quick": (0.3, 0.3, 0.1), "tiny": (0.6, 0.6, 0.3)}[context.size]
+    peers = [name for name in ("gmsh", "gmsh-debian") if name in context.names]
     lines, notes = [], {}
     for name, size in zip(("pipe_tee", "spool", "egg"), sizes):
         part = PARTS / f"{name}.step"
@@ -73,11 +74,10 @@ def cad_table(context):
         for _ in range(min(3, context.bench.repeats)):
             limits.append(context.bench.limit())
             codes["PAMR"].append(our_cad_run(context, part, size))
-            for peer in ("gmsh", "gmsh-debian"):
-                command = context.peers.command(peer) if peer in context.names else None
+            for peer in peers:
+                command = context.peers.command(peer)
                 if command is None:
-                    if peer in context.names:
-                        notes[peer] = context.peers.errors[peer]
+                    notes[peer] = context.peers.errors[peer]
                     continue
                 try:
                     text = output_of(
@@ -86,7 +86,7 @@ def cad_table(context):
                 except Failed as error:
                     notes[peer] = f"{name}: {error}"
                     continue
-                run = json.loads(next(line for line in text.splitlines() if line.startswith("{")))
+                run = line_of_json(text)
                 codes.setdefault(run["peer"], []).append(run)
         lines += cad_rows(name, size, codes, statistics.median(limits), load())
     return [
