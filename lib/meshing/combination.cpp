@@ -352,26 +352,31 @@ void add_regions(const Solid& solid, const Combination& c, Domain& domain) {
   }
 }
 
-/// `Domain::label` of a solid.
-std::function<int(Vec3)> labels_of(const std::shared_ptr<const Solid>& solid,
-                                   const std::shared_ptr<const Pieces>& pieces,
-                                   const std::shared_ptr<const SidedPieces>& sided, const AssemblyRegions& regions) {
+/// Sets `Domain::label` and `Domain::around`.
+void add_labels(const std::shared_ptr<const Solid>& solid, const std::shared_ptr<const Pieces>& pieces,
+                const std::shared_ptr<const SidedPieces>& sided, const AssemblyRegions& regions, Domain& domain) {
   const auto* body = regions.name.empty() ? nullptr : only_body(*solid);
-  if (body == nullptr) {
-    const auto region_at = [solid](Vec3 p) { return solid->region_of(solid->sides(p)); };
-    const auto deep = InsideGrid::is_exact_for(*solid) ? std::make_shared<InsideGrid>(solid, region_at) : nullptr;
-    return [solid, sided, deep](Vec3 p) {
-      if (const int region = deep ? deep->region_at(p) : -1; region >= 0) return Domain::in_region(region);
-      const auto place = solid->place(p);
-      return place.surface < 0 ? Domain::in_region(place.region) : sided->behind(place, p);
+  std::function<int(Vec3)> in_body;  // null: the sides say the region
+  if (body != nullptr)
+    in_body = [solid, body, of_solid = regions.of_solid](Vec3 p) {
+      const int inside = body->solid_at(p);
+      return inside >= 0 ? of_solid[at(inside)] : -1;
     };
-  }
-  const auto deep = std::make_shared<InsideGrid>(
-      solid, [body, of_solid = regions.of_solid](Vec3 p) { return of_solid[at(body->solid_at(p))]; });
-  return [solid, pieces, deep, body, of_solid = regions.of_solid](Vec3 p) {
-    if (const int region = deep->region_at(p); region >= 0) return Domain::in_region(region);
-    const int inside = body->solid_at(p);
-    return inside >= 0 ? Domain::in_region(of_solid[at(inside)]) : pieces->of_part(0, body->outer_piece_at(p));
+  const auto deep = InsideGrid::is_exact_for(*solid) ? std::make_shared<InsideGrid>(solid, in_body) : nullptr;
+  if (deep)
+    domain.around = [solid, deep, in_body](Vec3 p) {
+      if (const auto known = deep->around(p); known.region >= 0) return known;
+      const auto found = solid->sides_around(p);
+      return Domain::Ball{in_body ? in_body(p) : solid->region_of(found.sides), found.radius, p};
+    };
+  domain.label = [solid, pieces, sided, deep, body, in_body](Vec3 p) {
+    if (const int region = deep ? deep->region_at(p) : -1; region >= 0) return Domain::in_region(region);
+    if (in_body) {
+      const int region = in_body(p);
+      return region >= 0 ? Domain::in_region(region) : pieces->of_part(0, body->outer_piece_at(p));
+    }
+    const auto place = solid->place(p);
+    return place.surface < 0 ? Domain::in_region(place.region) : sided->behind(place, p);
   };
 }
 
@@ -428,7 +433,7 @@ Domain combine(const Combination& c, const std::string& where) {
   for (auto& crease : pieces->creases()) domain.curves.push_back(std::move(crease));
   const auto sided =
       with_place([&] { return std::make_shared<const SidedPieces>(solid, pieces, samples, domain.curves); });
-  domain.label = labels_of(solid, pieces, sided, c.regions);
+  add_labels(solid, pieces, sided, c.regions, domain);
   const auto thickness = thicknesses_of(*solid, c);
   domain.size = size_field(solid, c, thickness, where);
   add_regions(*solid, c, domain);

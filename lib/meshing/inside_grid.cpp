@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "meshing/inside_grid.hpp"
 
-#include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "meshing/cad_body.hpp"
@@ -13,7 +11,7 @@ namespace pamr::meshing {
 using geometry::Vec3;
 
 InsideGrid::InsideGrid(std::shared_ptr<const Solid> solid, std::function<int(Vec3)> region)
-    : solid_(std::move(solid)), region_(std::move(region)), ball_(static_cast<std::size_t>(n) * n * n) {}
+    : solid_(std::move(solid)), region_(std::move(region)), ball_(static_cast<std::size_t>(n) * n * n, {-1, -1, {}}) {}
 
 bool InsideGrid::is_exact_for(const Solid& solid) {
   bool has_cad = false;
@@ -25,28 +23,26 @@ bool InsideGrid::is_exact_for(const Solid& solid) {
   return has_cad;
 }
 
-int InsideGrid::region_at(Vec3 point) {
+Domain::Ball InsideGrid::around(Vec3 point) {
   std::size_t number = 0;
   Vec3 place;
   for (std::size_t k = 0; k < 3; ++k) {
     const double step = (solid_->high[k] - solid_->low[k]) / n, at = (point[k] - solid_->low[k]) / step;
-    if (!(at >= 0 && at < n)) return -1;
+    if (!(at >= 0 && at < n)) return {};
     const double cell = std::floor(at);
     number = number * n + static_cast<std::size_t>(cell);
     (k == 0 ? place.x : k == 1 ? place.y : place.z) = solid_->low[k] + (cell + 0.5) * step;
   }
   auto& ball = ball_[number];
   if (ball.radius < 0) ball = ball_at(place);
-  return norm(point - place) < ball.radius ? ball.region : -1;
+  return ball.holds(point) ? ball : Domain::Ball{};
 }
 
-InsideGrid::Ball InsideGrid::ball_at(Vec3 place) const {
-  constexpr double rounding = 1e-9;
-  if (!solid_->contains(place)) return {0, 0};
-  double nearest = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < solid_->n_surfaces(); ++i)
-    nearest = std::min(nearest, std::abs(solid_->signed_distance(i, place)));
-  return {(1 - rounding) * nearest, region_(place)};
+Domain::Ball InsideGrid::ball_at(Vec3 place) const {
+  const auto found = solid_->sides_around(place);
+  const int region = solid_->region_of(found.sides);
+  if (region < 0) return {};
+  return {region_ ? region_(place) : region, found.radius, place};
 }
 
 }  // namespace pamr::meshing

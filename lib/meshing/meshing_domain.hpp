@@ -48,6 +48,16 @@ struct Domain {
   static constexpr int in_region(int region) { return -1 - region; }
   static constexpr int region_of(int label) { return -1 - label; }  ///< negative outside
   static constexpr int inside = -1;                                 ///< `in_region(0)`: of a domain of one region
+  /// A ball whose points are all in one region, -1: outside.
+  struct Ball {
+    int region = -1;
+    double radius = 0;  ///< 0: only the center is known
+    geometry::Vec3 center{};
+    bool holds(geometry::Vec3 point) const { return geometry::norm(point - center) < radius; }
+  };
+  /// What is known about a point: a ball that holds it, or has it for its center. Empty where distances from the
+  /// boundary are not known.
+  std::function<Ball(geometry::Vec3)> around;
   /// Empty: the domain is one region without a name.
   std::vector<DomainRegion> regions;
   int n_regions() const { return std::max(1, static_cast<int>(regions.size())); }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "pamr/base/error.hpp"
@@ -28,10 +29,14 @@ Vec3 Solid::on_planes(std::span<const int> among, Vec3 p) const {
   return p;
 }
 
-Sides Solid::sides(Vec3 p) const {
-  Sides result = 0;
-  for (int i = 0; i < n_surfaces(); ++i)
-    if (signed_distance(i, p) >= 0) result |= bit(i);
+Solid::SidesAround Solid::sides_around(Vec3 p) const {
+  constexpr double rounding = 1e-9;
+  SidesAround result{0, std::numeric_limits<double>::infinity()};
+  for (int i = 0; i < n_surfaces(); ++i) {
+    const double distance = signed_distance(i, p);
+    if (distance >= 0) result.sides |= bit(i);
+    result.radius = std::min(result.radius, (1 - rounding) * std::abs(distance));
+  }
   return result;
 }
 

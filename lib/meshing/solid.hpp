@@ -31,7 +31,12 @@ struct Solid {
   geometry::Vec3 on_planes(std::span<const int> among, geometry::Vec3 p) const;
   /// Distance from surface `i`, negative on the side to which its normal does not point.
   double signed_distance(int i, geometry::Vec3 p) const { return surface(i).signed_distance(p); }
-  Sides sides(geometry::Vec3 p) const;
+  Sides sides(geometry::Vec3 p) const { return sides_around(p).sides; }
+  struct SidesAround {
+    Sides sides = 0;
+    double radius = 0;  ///< of a ball in which they are the same, where the distances from all surfaces are exact
+  };
+  SidesAround sides_around(geometry::Vec3 p) const;
   /// The region of these sides, -1: none.
   int region_of(Sides sides) const;
   /// Throws `Error` where two regions contain the sides of a point.

@@ -60,7 +60,9 @@ TriangleTree::TriangleTree(std::span<const std::array<Vec3, 3>> triangles) {
 int TriangleTree::build(std::span<Item> items, std::size_t first) {
   const auto number = static_cast<int>(nodes_.size());
   nodes_.emplace_back();
-  const Vec3 size = box_of_items(items).size();
+  Box centers;
+  for (const auto& item : items) centers.extend(item.center);
+  const Vec3 size = centers.size();
   const auto key = [&](const Item& item) {
     if (size.x >= size.y && size.x >= size.z) return item.center.x;
     return size.y >= size.z ? item.center.y : item.center.z;
