@@ -61,9 +61,9 @@ TEST(Crossing, IsThatOfPlainBisectionFromFewerQuestions) {
     ASSERT_EQ(found.end, expected.end) << i;
     ASSERT_EQ(found.region, expected.region) << i;
   }
-  EXPECT_GT(n_ways, 3000);
+  EXPECT_GT(n_ways, 2000);
   EXPECT_GT(n_middles, 18 * n_ways);
-  EXPECT_LT(n_asked, n_middles / 2);
+  EXPECT_LT(3 * n_asked, 2 * n_middles);
 }
 
 TEST(Crossing, WithoutKnownDistancesIsThatOfPlainBisection) {
