@@ -124,7 +124,8 @@ inline std::string text_of(const Assessment& a) {
   return text.data();
 }
 
-/// Faces of one cell that are not of the boundary; those of more than two cells count too.
+/// Faces of one cell that are not of the boundary; those of more than two cells count too. A face with all nodes on a
+/// curved wall may be an inner one.
 template <class Peer>
 std::int64_t open_faces(Peer& peer, Domain domain) {
   struct Face {
@@ -144,7 +145,7 @@ std::int64_t open_faces(Peer& peer, Domain domain) {
   for (auto first = faces.begin(); first != faces.end();) {
     const auto last = std::find_if(first, faces.end(), [&](const Face& face) { return face.key != first->key; });
     const auto n = std::distance(first, last);
-    if (n != (first->is_outer ? 1 : 2)) ++open;
+    if (n != 2 && !(n == 1 && first->is_outer)) ++open;
     first = last;
   }
   return open;

@@ -64,7 +64,8 @@ def is_outer(faces, domain):
 
 
 def open_faces(corners, domain):
-    """Faces of one cell that are not of the boundary; those of more than two cells count too."""
+    """Faces of one cell that are not of the boundary; those of more than two cells count too. A face with all nodes on
+    a curved wall may be an inner one."""
     keys, outer = [], []
     for p in slabs(corners):
         node_keys = keys_of(p)
@@ -72,7 +73,7 @@ def open_faces(corners, domain):
             keys.append(node_keys[:, face].sum(axis=1, dtype=np.uint64))
             outer.append(is_outer(p[:, face], domain))
     _, first, count = np.unique(np.concatenate(keys), return_index=True, return_counts=True)
-    return int((count != np.where(np.concatenate(outer)[first], 1, 2)).sum())
+    return int((~((count == 2) | (count == 1) & np.concatenate(outer)[first])).sum())
 
 
 def assess_wall(corners):

@@ -121,6 +121,11 @@ class Assessment(unittest.TestCase):
         self.assertEqual(values["split"], 1)
         self.assertGreater(values["open"], 0)
 
+    def test_an_inner_face_with_all_nodes_on_a_curved_wall_is_not_open(self):
+        wall, ends = np.eye(3), np.array([[0.5, 0.5, 0.5], [1.5, 1.5, 1.5]])
+        two = np.stack([np.vstack([wall, end]) for end in ends])
+        self.assertEqual(assess.open_faces(two, "hole"), 3)  # those of the outer cell, with a node off the wall
+
     def test_a_code_that_does_other_work_is_found_out(self):
         work = measure.Work("sphere", "", "", "", ())
         ours = {1: {"cells": 1000}}
