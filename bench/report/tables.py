@@ -101,7 +101,7 @@ def wall_table(context):
 
 
 def front_table(context):
-    mesh, levels, steps = {"whole": ("kuhn:10", 4, 20), "quick": ("kuhn:8", 3, 20), "tiny": ("kuhn:6", 2, 3)}[
+    mesh, levels, steps = {"whole": ("kuhn:8", 3, 20), "quick": ("kuhn:6", 3, 20), "tiny": ("kuhn:6", 2, 3)}[
         context.size
     ]
     work = Work("front", "front", mesh, mesh, (levels, steps))
