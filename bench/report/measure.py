@@ -111,6 +111,13 @@ class Bench:
         self.refine = build / "bench/bench_refine"
         self.limit_size, self.repeats, self.budget = limit_size, repeats, budget
 
+    def turns(self):
+        """Numbers of the runs to make of one code."""
+        began = time.monotonic()
+        for turn in range(self.repeats):
+            if turn == 0 or time.monotonic() - began < self.budget:
+                yield turn
+
     def limit(self):
         """Millions of cells a CPU second that this machine can write to memory at this moment."""
         text = output_of([self.refine, f"--benchmark_filter=^limit/{self.limit_size}/", "--benchmark_format=json"])
@@ -125,8 +132,7 @@ class Bench:
         command = [*peers.command(name), *work.command(work.mesh)]
         environment = peers.environment(name)
         runs, our_runs, limits = [], [], []
-        began = time.monotonic()
-        while len(runs) < self.repeats and (not runs or time.monotonic() - began < self.budget):
+        for _ in self.turns():
             limits.append(self.limit())
             our_runs.append(lines_by_level(output_of([self.ours, *work.command(work.our_mesh)])))
             runs.append(lines_by_level(output_of([*command, "assess"] if not runs else command, environment)))

@@ -182,7 +182,7 @@ def read_table(context):
     for name, (command, environment) in codes.items():
         runs, ours, limits = [], [], []
         try:
-            for _ in range(context.bench.repeats):
+            for _ in context.bench.turns():
                 limits.append(context.bench.limit())
                 ours.append(json.loads(output_of(our_command, context.environment)))
                 text = output_of(command, environment)
