@@ -100,6 +100,22 @@ class Report(unittest.TestCase):
         self.assertEqual(report.insert({"x": "| new |\n"}, new), new)
 
 
+class Folding(unittest.TestCase):
+    def test_balance_has_a_row_for_each_mesh_and_number_of_ranks(self):
+        def row(asked, given, faces):
+            return f"| cone | 4 | {asked} | {given} | {faces} | 1.58 | 3 | 1.024 | 0.0481 | 0.001 | 0 | no |"
+
+        ways = zip(tables.BALANCE_WAYS, ("none", "curve", "none", "curve", "blocks"), (1632, 1720, 936, 8, 9))
+        lines = ["text", "| mesh | parts |", *(row(*way) for way in ways)]
+        head, _, only = tables.folded_balance(lines)
+        self.assertIn("| as read | `auto` | `scotch` |", head)
+        self.assertEqual(
+            only,
+            "| cone | 4 | 1,632 (1.58), 3, 1.024 | curve: 1,720 (1.58), 3, 1.024, 0.048 s | kept: 936 (1.58), 3, 1.024 |"
+            " 8 (1.58), 3, 1.024, 0.048 s | 9 (1.58), 3, 1.024, 0.048 s |",
+        )
+
+
 class Assessment(unittest.TestCase):
     def setUp(self):
         cells, nodes = workload.kuhn_cube(2)

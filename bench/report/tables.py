@@ -45,6 +45,32 @@ def script(program, *words, note="", **by_size):
     return make
 
 
+BALANCE_WAYS = ("as read", "auto", "scotch", "curve", "blocks")
+
+
+def folded_balance(lines):
+    """The rows of bench_balance, one for each mesh and number of ranks."""
+    found = {}
+    for line in lines:
+        words = [word.strip() for word in line.strip().strip("|").split("|")]
+        if len(words) != 12 or not words[1].isdigit():
+            continue
+        mesh, ranks, asked, given, faces, over, neighbors, imbalance, seconds = words[:9]
+        text = f"{int(faces):,} ({over}), {neighbors}, {imbalance}"
+        if asked != "as read":
+            text += "" if given == "none" else f", {float(seconds):.2g} s"
+            text = text if given == asked else f"{'kept' if given == 'none' else given}: {text}"
+        found.setdefault((mesh, ranks), {})[asked] = text
+    head = ["mesh", "ranks", *(f"`{way}`" if way != "as read" else way for way in BALANCE_WAYS)]
+    return rows.table(head, [[*key, *(ways[way] for way in BALANCE_WAYS)] for key, ways in found.items()])
+
+
+def balance_table(context):
+    make = script("balance.sh", BUILD, "--out", "{out}/balance", whole=(), quick=None, tiny=None)
+    lines = make(context)
+    return [SCALING_NOTE, "", *folded_balance(lines)] if context.size == "whole" else lines
+
+
 def hole(context):
     """The Gmsh file of the box with a hole and, with its sphere, ours."""
     size = {"whole": 0.28, "quick": 0.28, "tiny": 0.6}[context.size]
@@ -323,11 +349,7 @@ TABLES = {
         script("large.sh", BUILD, "--out", "{out}/large", whole=(), quick=("--cells", "1500000"), tiny=None),
         "performance-calls",
     ),
-    "balance": Table(
-        "Balance",
-        script("balance.sh", BUILD, "--out", "{out}/balance", note=SCALING_NOTE, whole=(), quick=None, tiny=None),
-        "balance",
-    ),
+    "balance": Table("Balance", balance_table, "balance"),
     "poisson-boltzmann": Table(
         "Poisson-Boltzmann beside dolfinx",
         script(
