@@ -334,7 +334,7 @@ TABLES = {
             quick=None,
             tiny=None,
         ),
-        "scaling",
+        "ranks-256",
     ),
     "adapt": Table("Refining and coarsening", adapt_table, "performance-calls"),
     "order": Table(
