@@ -295,9 +295,9 @@ TABLES = {
         refine_table("sphere", SPHERE, whole=("kuhn:14", 5), quick=("kuhn:14", 3), tiny=("kuhn:6", 2)),
         "peers",
     ),
-    "wall": Table("Levels at a curved wall beside other codes", wall_table, "peers"),
-    "front": Table("A front that moves, beside other codes", front_table, "peers"),
-    "reading": Table("Reading a Gmsh file beside other codes", read_table, "peers"),
+    "wall": Table("Levels at a curved wall beside other codes", wall_table, "peers-walls"),
+    "front": Table("A front that moves, beside other codes", front_table, "peers-walls"),
+    "reading": Table("Reading a Gmsh file beside other codes", read_table, "peers-walls"),
     "shapes": Table("Shapes beside other codes", shapes_table, "shapes-peers"),
     "floors": Table("Shapes with other floors", floors, "shapes-peers"),
     "two-ranks": Table(
