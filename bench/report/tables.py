@@ -5,6 +5,7 @@ import dataclasses
 import json
 import os
 import pathlib
+import re
 import statistics
 import sys
 
@@ -254,19 +255,50 @@ def read_rows(name, runs, ours, limits):
     yield of("2" if name == "PAMR, 2" else "1", runs, rows.number(ratio))
 
 
+ADAPT_LINE = re.compile(
+    r"(\d+) -> (\d+) -> (\d+) cells, (\d+) marked, (\d+) octets gone, .* ([\d.]+) outside of communication on all ranks, "
+    r".*, (\d+) bytes a cell; (.*)"
+)
+ADAPT_STEPS = ("preprocessing", "balance", "coarsen", "close", "migrate", "number", "project", "subdivide", "relink")
+
+
+def adapt_rows(lines_of_ranks):
+    """Rows from what bench_adapt prints; `lines_of_ranks`: {ranks: its lines}, one for each step, first those of one."""
+    one = [float(ADAPT_LINE.search(line)[6]) for line in next(iter(lines_of_ranks.values()))]
+    for ranks, lines in lines_of_ranks.items():
+        for step, line in enumerate(lines):
+            *counts, compute, memory, parts = ADAPT_LINE.search(line).groups()
+            words = parts.split()
+            part = dict(zip(words[::2], words[1::2]))
+            yield [
+                str(step + 1),
+                str(ranks),
+                *(f"{int(count):,}" for count in counts),
+                compute,
+                f"{float(compute) / one[step]:.2f}",
+                *(part.get(name, "-") for name in ADAPT_STEPS),
+                memory,
+            ]
+
+
 def adapt_table(context):
-    arguments, ranks = {
+    arguments, all_ranks = {
         "whole": ("18 4 3 0.003", (1, 4, 16)),
         "quick": ("14 3 3 0.003", (1, 4)),
         "tiny": ("6 2 2 0.05", (1, 2)),
     }[context.size]
-    lines = ["One rank is measured; of several, which share the cores, the compute is counted.", ""]
-    for n in ranks:
-        text = output_of(
+    lines = {
+        n: output_of(
             ["mpirun", "-n", n, context.build / "bench/bench_adapt", *arguments.split()], context.environment
-        )
-        lines += [f"- {n} rank(s): {line}" for line in text.splitlines()]
-    return lines
+        ).splitlines()
+        for n in all_ranks
+    }
+    head = "step | ranks | cells in | after coarsening | out | split | octets gone | us a cell | over one rank"
+    return [
+        f"`bench_adapt {arguments}`. One rank is measured; of several, which share the cores, the compute is counted.",
+        "",
+        *rows.table([*head.split(" | "), *ADAPT_STEPS, "peak bytes a cell"], list(adapt_rows(lines))),
+    ]
 
 
 def environment():
@@ -315,7 +347,7 @@ TABLES = {
             quick=("--repeats", "1", "--ranks", "1 2 16 64"),
             tiny=("--tiny", "--repeats", "1", "--ranks", "1 2"),
         ),
-        "scaling",
+        "scaling-steps",
     ),
     "many-ranks": Table(
         "256 ranks",
