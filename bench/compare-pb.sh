@@ -49,6 +49,6 @@ for ((run = 1; run <= repeats; ++run)); do
   done
 done
 echo "$(date +%F), commit $(git -C "$root" rev-parse --short HEAD 2>/dev/null || echo unknown)," \
-  "$(sed -n 's/^model name.*: //p' /proc/cpuinfo | head -1), $(nproc) cores, load $(cut -d' ' -f1 /proc/loadavg)." \
+  "$(sed -n 's/^model name.*: //p' /proc/cpuinfo | head -1), $(nproc --all) cores, load $(cut -d' ' -f1 /proc/loadavg)." \
   "Command: bench/compare-pb.sh --repeats $repeats (medians)."
 python3 "$here/compare_pb_table.py" "$out"
