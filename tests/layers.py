@@ -50,7 +50,7 @@ CORNERS = (
      "Scotch is included in balance/scotch_partition.cpp only"),
     (re.compile(r"#\s*include\s*[<\"]CGAL/"),
      re.compile(r"geometry/.*\.cpp$|lib/meshing/(.*\.cpp|searched_domain\.hpp)$|lib/surface_mesh/"),
-     "CGAL is included in geometry/**/*.cpp, lib/meshing/**/*.cpp, searched_domain.hpp there and lib/surface_mesh only"),
+     "CGAL is included in geometry/**/*.cpp, lib/meshing/**/*.cpp, its searched_domain.hpp and lib/surface_mesh only"),
     (re.compile(r"#\s*include\s*[<\"]pugixml"), re.compile(r"lib/pamr/io/vtk/"), "pugixml is included in lib/pamr/io/vtk only"),
     (re.compile(r"#\s*include\s*[<\"]OpenMesh/"), re.compile(r"lib/surface_mesh/"),
      "OpenMesh is included in lib/surface_mesh only"),

@@ -256,14 +256,14 @@ def read_rows(name, runs, ours, limits):
 
 
 ADAPT_LINE = re.compile(
-    r"(\d+) -> (\d+) -> (\d+) cells, (\d+) marked, (\d+) octets gone, .* ([\d.]+) outside of communication on all ranks, "
-    r".*, (\d+) bytes a cell; (.*)"
+    r"(\d+) -> (\d+) -> (\d+) cells, (\d+) marked, (\d+) octets gone, .* ([\d.]+) outside of communication on all "
+    r"ranks, .*, (\d+) bytes a cell; (.*)"
 )
 ADAPT_STEPS = ("preprocessing", "balance", "coarsen", "close", "migrate", "number", "project", "subdivide", "relink")
 
 
 def adapt_rows(lines_of_ranks):
-    """Rows from what bench_adapt prints; `lines_of_ranks`: {ranks: its lines}, one for each step, first those of one."""
+    """Rows from what bench_adapt prints; `lines_of_ranks`: {ranks: its lines, one a step}, those of one first."""
     one = [float(ADAPT_LINE.search(line)[6]) for line in next(iter(lines_of_ranks.values()))]
     for ranks, lines in lines_of_ranks.items():
         for step, line in enumerate(lines):
