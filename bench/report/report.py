@@ -84,6 +84,13 @@ def is_made(context, name):
     return path.exists() and f"commit {context.commit}," in path.read_text(encoding="utf-8").splitlines()[0]
 
 
+def without_folders(text, context):
+    """Pages name no folder of the machine."""
+    for folder, word in ((context.out, "OUT"), (context.build, "BUILD"), (ROOT, "PAMR")):
+        text = text.replace(str(folder), word)
+    return text
+
+
 def make(context, name):
     """Writes a table as soon as it is complete; False where it could not be made."""
     before = load()
@@ -100,7 +107,8 @@ def make(context, name):
         f"and {load():.2f} after. Command: `bench/report.sh{size} --table {name}{peers}`."
     )
     unready = file_of(context, name).with_suffix(".unready")
-    unready.write_text("\n".join([heading, "", *lines]).rstrip() + "\n", encoding="utf-8")
+    text = without_folders("\n".join([heading, "", *lines]), context)
+    unready.write_text(text.rstrip() + "\n", encoding="utf-8")
     unready.rename(file_of(context, name))
     return True
 

@@ -2,6 +2,7 @@
 """report.sh without other codes, what it refuses and names, whether it finds out codes that do other work, and the
 arithmetic of its rows. Usage: report_test.py REPORT.SH BUILD"""
 
+import argparse
 import os
 import pathlib
 import subprocess
@@ -101,6 +102,11 @@ class Report(unittest.TestCase):
 
 
 class Folding(unittest.TestCase):
+    def test_pages_name_no_folder_of_the_machine(self):
+        context = argparse.Namespace(out=pathlib.Path("/a/build/report"), build=pathlib.Path("/a/build"))
+        text = f"-> /a/build/report/x.hdf by /a/build/bin/y and {report.ROOT}/bench/z"
+        self.assertEqual(report.without_folders(text, context), "-> OUT/x.hdf by BUILD/bin/y and PAMR/bench/z")
+
     def test_steps_of_adapting_are_compared_with_those_of_one_rank(self):
         def line(compute):
             return (

@@ -55,8 +55,7 @@ struct Domain {
     geometry::Vec3 center{};
     bool holds(geometry::Vec3 point) const { return geometry::norm(point - center) < radius; }
   };
-  /// What is known about a point: a ball that holds it, or has it for its center. Empty where distances from the
-  /// boundary are not known.
+  /// A ball that contains the point or is centered at it. Not set where distances to the boundary are not known.
   std::function<Ball(geometry::Vec3)> around;
   /// Empty: the domain is one region without a name.
   std::vector<DomainRegion> regions;

@@ -19,7 +19,7 @@ ShapeError shape_error(const par::Comm& comm, const State& state, const GoalFunc
                        std::span<const double> w, const DualGradient& dual);
 
 /// The correction of second order, for what curved faces miss of their surfaces, with the gradients of third order.
-/// What is left is added to `dual.rest`: the errors of these gradients, the square of the distance times the wave
+/// Adds the errors that remain to `dual.rest`: those of these gradients, the square of the distance times the wave
 /// number of the gap, and `charge_at_edges`. Collective: an exact sum.
 double shape_error(const par::Comm& comm, const State& state, const GoalFunctional& functional, CubicGoalError& dual);
 
