@@ -5,6 +5,7 @@
 #include <bit>
 #include <limits>
 
+#include "pamr/refine/child_shapes.hpp"
 #include "pamr/refine/diagonal.hpp"
 
 namespace pamr::refine {
@@ -13,102 +14,6 @@ namespace {
 
 using geometry::Vec3;
 using mesh::tet::edge_to_corner;
-using Codes = std::array<std::int8_t, 4>;
-
-/// A cell whose nodes are corners and midpoints of its parent: four times the sum of its squared edges is the sum of
-/// the parent's squared edges with these factors; eight times its volume is `volume` times that of the parent.
-struct ChildShape {
-  std::array<double, 6> factor{};
-  double squared_volume = 0;
-  Codes nodes{};                       ///< oriented as the parent
-  unsigned codes = 0;                  ///< bits of the nodes
-  std::array<std::uint8_t, 6> pair{};  ///< the ends of its edges
-};
-
-constexpr unsigned codes_of(const Codes& nodes) {
-  unsigned codes = 0;
-  for (const auto code : nodes) codes |= 1U << code;
-  return codes;
-}
-
-/// Where the distance of two points by code is among `Bent::squared`.
-constexpr std::size_t pair_of(int a, int b) { return at(10 * std::max(a, b) + std::min(a, b)); }
-
-/// Corners that a node lies at: twice its barycentric coordinates.
-constexpr std::array<int, 4> barycentric(int code) {
-  std::array<int, 4> b{};
-  if (code < 4) {
-    b[at(code)] = 2;
-  } else {
-    for (const int corner : edge_to_corner[at(code - 4)]) b[at(corner)] = 1;
-  }
-  return b;
-}
-
-constexpr int determinant(const Codes& nodes) {
-  std::array<std::array<int, 3>, 3> d{};
-  const auto o = barycentric(nodes[0]);
-  for (int i = 0; i < 3; ++i)
-    for (int k = 0; k < 3; ++k) d[at(i)][at(k)] = barycentric(nodes[at(i + 1)])[at(k + 1)] - o[at(k + 1)];
-  return d[0][0] * (d[1][1] * d[2][2] - d[1][2] * d[2][1]) - d[0][1] * (d[1][0] * d[2][2] - d[1][2] * d[2][0]) +
-         d[0][2] * (d[1][0] * d[2][1] - d[1][1] * d[2][0]);
-}
-
-/// The squared length of a vector whose barycentric coordinates u add up to nothing is minus the sum of u_i u_j l_ij^2.
-constexpr ChildShape make_shape(const Codes& nodes) {
-  ChildShape shape;
-  const int volume = determinant(nodes);
-  shape.squared_volume = volume * volume;
-  shape.nodes = volume > 0 ? nodes : Codes{nodes[0], nodes[1], nodes[3], nodes[2]};
-  for (const auto [p, q] : edge_to_corner) {
-    const auto a = barycentric(nodes[at(p)]), b = barycentric(nodes[at(q)]);
-    for (int e = 0; e < 6; ++e) {
-      const auto [i, j] = edge_to_corner[at(e)];
-      shape.factor[at(e)] -= (a[at(i)] - b[at(i)]) * (a[at(j)] - b[at(j)]);
-    }
-  }
-  shape.codes = codes_of(nodes);
-  for (std::size_t e = 0; e < 6; ++e) {
-    const auto [p, q] = edge_to_corner[e];
-    shape.pair[e] = static_cast<std::uint8_t>(pair_of(shape.nodes[at(p)], shape.nodes[at(q)]));
-  }
-  return shape;
-}
-
-/// The shapes of all children, each once, and the shape of each child. Inner cells of 1:8: four for each diagonal.
-struct ShapeTable {
-  std::array<ChildShape, max_child_shapes> shape{};
-  std::array<std::array<std::uint8_t, mesh::max_family_size>, mesh::closure_states.size()> of_child{};
-  std::array<std::array<std::uint8_t, 4>, 3> of_inner{};
-};
-
-constexpr ShapeTable make_table() {
-  ShapeTable table;
-  std::array<std::uint8_t, 1024> known{};  // by the bits of the codes: shape + 1
-  std::uint8_t n = 0;
-  const auto add = [&](const Codes& nodes) {
-    auto& entry = known[codes_of(nodes)];
-    if (entry == 0) {
-      table.shape[n] = make_shape(nodes);
-      entry = ++n;
-    }
-    return static_cast<std::uint8_t>(entry - 1);
-  };
-  for (std::size_t s = 0; s < mesh::closure_states.size(); ++s)
-    for (int c = 0; c < mesh::closure_states[s].family.n_children; ++c)
-      table.of_child[s][at(c)] = add(mesh::closure_states[s].family.child_to_node[at(c)]);
-  for (int d = 0; d < 3; ++d) {
-    std::size_t inner = 0;
-    for (int e = 0; e < 6; ++e)
-      for (int g = e + 1; g < 6; ++g)
-        if (e != d && g != d && e + d != 5 && g + d != 5 && e + g != 5)
-          table.of_inner[at(d)][inner++] = add({static_cast<std::int8_t>(4 + d), static_cast<std::int8_t>(9 - d),
-                                                static_cast<std::int8_t>(4 + e), static_cast<std::int8_t>(4 + g)});
-  }
-  return table;
-}
-
-constexpr ShapeTable table = make_table();
 
 /// The pairs of edges of each face, in each pair the one of the smaller number first.
 constexpr auto make_pairs_of_faces() {
@@ -140,44 +45,57 @@ constexpr auto make_marked_pairs() {
 }
 constexpr auto marked_pair = make_marked_pairs();
 
-constexpr auto make_two_mark_faces() {
-  std::array<bool, 64> faces{};
+/// `marked_pairs[mask]`: bit 4 p + f for pair p of face f, where just its two edges are marked.
+constexpr auto make_pair_bits() {
+  std::array<unsigned, 64> bits{};
   for (std::size_t mask = 0; mask < 64; ++mask)
-    for (const int pair : marked_pair[mask]) faces[mask] = faces[mask] || pair >= 0;
-  return faces;
+    for (int f = 0; f < 4; ++f)
+      if (marked_pair[mask][at(f)] >= 0) bits[mask] |= 1U << (4 * marked_pair[mask][at(f)] + f);
+  return bits;
 }
-constexpr auto has_two_mark_face = make_two_mark_faces();
+constexpr auto marked_pairs = make_pair_bits();
 
-/// Four times the sum of a child's squared edges.
-double sum_of_squares(const std::array<double, 6>& factor, const std::array<double, 6>& squared) {
-  return (factor[0] * squared[0] + factor[1] * squared[1]) + (factor[2] * squared[2] + factor[3] * squared[3]) +
-         (factor[4] * squared[4] + factor[5] * squared[5]);
+/// Bit m for each set m: all subsets of a set; all sets with two marks on a face.
+constexpr auto make_subsets() {
+  std::array<std::uint64_t, 64> subsets{};
+  for (unsigned set = 0; set < 64; ++set)
+    for (unsigned subset = set; subset != 0; subset = (subset - 1) & set) subsets[set] |= std::uint64_t{1} << subset;
+  return subsets;
 }
+constexpr auto subsets_of = make_subsets();
 
-/// Sets of one to four edges by the number of edges, and where those of each number begin.
-struct SetsBySize {
-  std::array<EdgeMask, 56> set{};
-  std::array<std::size_t, 6> begin{};
-};
-
-constexpr SetsBySize make_sets_by_size() {
-  SetsBySize sets;
-  std::size_t n = 0;
-  for (int size = 1; size <= 4; ++size) {
-    sets.begin[at(size)] = n;
-    for (unsigned set = 1; set < all_edges; ++set)
-      if (std::popcount(set) == size) sets.set[n++] = static_cast<EdgeMask>(set);
-  }
-  sets.begin[5] = n;
+constexpr std::uint64_t make_sets_with_cuts() {
+  std::uint64_t sets = 0;
+  for (std::size_t mask = 0; mask < 64; ++mask) sets |= std::uint64_t{marked_pairs[mask] != 0} << mask;
   return sets;
 }
-constexpr SetsBySize sets_by_size = make_sets_by_size();
+constexpr std::uint64_t sets_with_cuts = make_sets_with_cuts();
+
+/// All sets with some number of edges, and all that hold some set.
+constexpr auto make_sets_of_size() {
+  std::array<std::uint64_t, 7> sets{};
+  for (unsigned set = 0; set < 64; ++set) sets[at(std::popcount(set))] |= std::uint64_t{1} << set;
+  return sets;
+}
+constexpr auto sets_of_size = make_sets_of_size();
+
+constexpr auto make_supersets() {
+  std::array<std::uint64_t, 64> supersets{};
+  for (unsigned set = 0; set < 64; ++set)
+    for (unsigned superset = set; superset < 64; ++superset)
+      if ((superset & set) == set) supersets[set] |= std::uint64_t{1} << superset;
+  return supersets;
+}
+constexpr auto supersets_of = make_supersets();
 
 /// To 40 significant binary digits, halves up.
 double rounded(double length) {
   constexpr std::uint64_t unit = std::uint64_t{1} << 13U;
   return std::bit_cast<double>((std::bit_cast<std::uint64_t>(length) + unit / 2) & ~(unit - 1));
 }
+
+constexpr double none = std::numeric_limits<double>::lowest();  ///< no limit
+constexpr unsigned face_bits = 0x111;                           ///< of the three pairs of face 0
 
 std::array<geometry::Vec3, 2> in_order(std::array<geometry::Vec3, 2> ends) {
   if (geometry::lexicographically_less(ends[1], ends[0])) std::swap(ends[0], ends[1]);
@@ -191,11 +109,14 @@ bool is_earlier_edge(std::array<geometry::Vec3, 2> a, std::array<geometry::Vec3,
   return p[0] == q[0] ? geometry::lexicographically_less(p[1], q[1]) : geometry::lexicographically_less(p[0], q[0]);
 }
 
-CellShape::CellShape(const geometry::TetPoints& corner, OldCuts old) : corner_(corner), old_(old) {
+CellShape::CellShape(const geometry::TetPoints& corner, OldCuts old) : corner_(corner), has_old_cuts_(old.mask != 0) {
   for (std::size_t e = 0; e < 6; ++e) {
     const auto [a, b] = edge_to_corner[e];
     squared_[e] = geometry::squared_norm(corner[at(a)] - corner[at(b)]);
   }
+  known_ = marked_pairs[old.mask];
+  for (unsigned f = 0; f < 4; ++f)
+    if ((old.cuts >> f & 1U) != 0) longer_ |= known_ & face_bits << f;
   volume_ = geometry::volume(corner);
   scale_ = cube_of_shape * volume_ * std::abs(volume_);
 }
@@ -225,7 +146,7 @@ void CellShape::Bent::measure(unsigned codes) {
 }
 
 double CellShape::Bent::measure_child(int of_shape) {
-  const auto& child = table.shape[at(of_shape)];
+  const auto& child = shape_table.shape[at(of_shape)];
   if ((child.codes & ~measured) != 0) measure(child.codes);
   const auto& p = points.points(0);
   const auto& nodes = child.nodes;
@@ -236,32 +157,33 @@ double CellShape::Bent::measure_child(int of_shape) {
   return cubed_ratio[at(of_shape)] = cube_of_shape * shape(volume, squares);
 }
 
-double CellShape::of_child(int of_shape) const {
-  if (bent_) return bent_->of_child(of_shape);
-  const auto& of_table = table.shape[at(of_shape)];
-  const double sum = sum_of_squares(of_table.factor, squared_);
-  return scale_ * of_table.squared_volume / (sum * sum * sum);
-}
-
-/// `of_state(state) >= limit` for positive limits, without divisions.
-bool CellShape::state_reaches(int state, double limit) const {
-  const auto& shapes = table.of_child[at(state)];
-  const int n = mesh::family_size_of_state[at(state)];
-  if (bent_) return std::all_of(shapes.begin(), shapes.begin() + n, [&](int s) { return bent_->of_child(s) >= limit; });
-  for (int child = 0; child < n; ++child) {
-    const auto& of_table = table.shape[shapes[at(child)]];
-    const double sum = sum_of_squares(of_table.factor, squared_);
-    if (!(scale_ * of_table.squared_volume >= limit * (sum * sum * sum))) return false;
-  }
-  return true;
+/// Measures all shapes with midpoints on these edges, where that is not done. Pre: straight edges.
+void CellShape::measure(EdgeMask edges) const {
+  if ((edges & ~measured_) == 0) return;
+  measure_child_shapes(edges, squared_, scale_, none, ratio_);
+  measured_ = edges;
 }
 
 double CellShape::of_state(int state) const {
-  const auto& shape = table.of_child[at(state)];
-  double worst = of_child(shape[0]);
-  for (int child = 1; child < mesh::family_size_of_state[at(state)]; ++child)
-    worst = std::min(worst, of_child(shape[at(child)]));
-  return worst;
+  const auto& shape = shape_table.of_child[at(state)];
+  if (bent_) {
+    double worst = bent_->of_child(shape[0]);
+    for (int child = 1; child < mesh::family_size_of_state[at(state)]; ++child)
+      worst = std::min(worst, bent_->of_child(shape[at(child)]));
+    return worst;
+  }
+  measure(mesh::closure_states[at(state)].mask);
+  const auto ratio = [&](std::size_t child) { return ratio_[shape[child]]; };
+  return std::min(std::min(std::min(ratio(0), ratio(1)), std::min(ratio(2), ratio(3))),
+                  std::min(std::min(ratio(4), ratio(5)), std::min(ratio(6), ratio(7))));
+}
+
+/// `of_state(state) >= limit`; of bent cells no child is looked at after one that falls short.
+bool CellShape::state_reaches(int state, double limit) const {
+  if (!bent_) return of_state(state) >= limit;
+  const auto& shape = shape_table.of_child[at(state)];
+  return std::all_of(shape.begin(), shape.begin() + mesh::family_size_of_state[at(state)],
+                     [&](int s) { return bent_->of_child(s) >= limit; });
 }
 
 double CellShape::of_regular_split() const {
@@ -278,7 +200,7 @@ double CellShape::of_regular_split() const {
   for (std::size_t d = 0; d < 3; ++d) {
     if (length[d] > (1 + 0x1p-40) * shortest) continue;
     double worst = std::numeric_limits<double>::infinity();
-    for (const auto shape : table.of_inner[d]) worst = std::min(worst, of_child(shape));
+    for (const auto shape : shape_table.of_inner[d]) worst = std::min(worst, cubed_ratio(shape, squared_, scale_));
     best = std::max(best, worst);
   }
   return std::min(best, scale_ / (all * all * all));  // the children at the corners have the cell's own shape
@@ -309,33 +231,26 @@ bool CellShape::is_longer(int edge, int other) const {
   return mine == theirs ? is_before(edge, other) : mine > theirs;
 }
 
-bool CellShape::is_higher_longer(int face, int pair) const {
-  const unsigned bit = 1U << (3 * face + pair);
-  if ((known_ & bit) == 0) {
-    known_ |= bit;
-    const auto [lower, higher] = pair_of_face[at(face)][at(pair)];
-    if (is_longer(higher, lower)) longer_ |= bit;
+/// Compares the edges of these pairs, bits as in `marked_pairs`.
+void CellShape::compare_lengths(unsigned pairs) const {
+  known_ |= pairs;
+  for (; pairs != 0; pairs &= pairs - 1) {
+    const int bit = std::countr_zero(pairs);
+    const auto [lower, higher] = pair_of_face[at(bit % 4)][at(bit / 4)];
+    if (is_longer(higher, lower)) longer_ |= 1U << bit;
   }
-  return (longer_ & bit) != 0;
 }
 
 unsigned CellShape::cuts(EdgeMask marks) const {
-  if (!has_two_mark_face[marks]) return 0;
-  unsigned cuts = 0;
-  for (int f = 0; f < 4; ++f) {
-    const int pair = marked_pair[marks][at(f)];
-    if (pair < 0) continue;
-    const auto face = mesh::tet::face_edge_mask[at(f)];
-    const bool is_higher =
-        (old_.mask & face) == (marks & face) ? (old_.cuts >> f & 1U) != 0 : is_higher_longer(f, pair);
-    cuts |= (is_higher ? 1U : 0U) << f;
-  }
-  return cuts;
+  const unsigned pairs = marked_pairs[marks];
+  if ((pairs & ~known_) != 0) compare_lengths(pairs & ~known_);
+  const unsigned higher = longer_ & pairs;
+  return (higher | higher >> 4U | higher >> 8U) & 0xfU;
 }
 
 int only_state(EdgeMask marks) {
   const auto& choice = states_of_marks[marks][0].state;
-  return has_two_mark_face[marks] || choice[1] != 0 ? 0 : choice[0];
+  return marked_pairs[marks] != 0 || choice[1] != 0 ? 0 : choice[0];
 }
 
 int CellShape::best_state(EdgeMask marks) const {
@@ -349,7 +264,8 @@ int CellShape::best_state(EdgeMask marks) const {
   return is_earlier_edge({middle(d), middle(5 - d)}, {middle(g), middle(5 - g)}) ? choice[0] : choice[1];
 }
 
-bool CellShape::adds_earlier_edges(EdgeMask added, EdgeMask other) const {
+bool CellShape::adds_earlier_edges(unsigned added, unsigned other) const {
+  if (std::has_single_bit(added)) return is_before(std::countr_zero(added), std::countr_zero(other));
   const auto in_order = [this](unsigned mask) {
     std::array<int, 6> edge{};
     std::size_t n = 0;
@@ -366,50 +282,56 @@ bool CellShape::adds_earlier_edges(EdgeMask added, EdgeMask other) const {
 
 /// The good set with the fewest edges that holds a set which is not good.
 EdgeMask CellShape::smallest_good(EdgeMask marks, double limit) const {
-  const auto& [sets, begin] = sets_by_size;
-  for (std::size_t n_added = 1; n_added <= 4; ++n_added) {
-    std::array<double, 64> quality{};
+  if (!bent_) measure(all_edges);
+  for (int size = std::popcount(marks) + 1; size < 6; ++size) {
+    std::array<double, 64> quality;
     double best = limit;
-    for (std::size_t i = begin[n_added]; i < begin[n_added + 1]; ++i) {
-      const auto added = sets[i];
-      if ((added & marks) != 0 || (added | marks) == all_edges) continue;
-      quality[added] = of_marks(static_cast<EdgeMask>(added | marks));
-      best = std::max(best, quality[added]);
+    const auto sets = supersets_of[marks] & sets_of_size[at(size)];
+    for (auto rest = sets; rest != 0; rest &= rest - 1) {
+      const int set = std::countr_zero(rest);
+      best = std::max(best, quality[at(set)] = of_marks(static_cast<EdgeMask>(set)));
     }
     EdgeMask found = 0;
-    for (std::size_t i = begin[n_added]; i < begin[n_added + 1]; ++i) {
-      const auto added = sets[i];
-      if ((added & marks) != 0 || (added | marks) == all_edges) continue;
-      if (!(quality[added] >= limit) || quality[added] < equal_cubes * best) continue;
-      if (found == 0 || adds_earlier_edges(added, found)) found = added;
+    for (auto rest = sets; rest != 0; rest &= rest - 1) {
+      const auto set = static_cast<EdgeMask>(std::countr_zero(rest));
+      if (!(quality[set] >= limit) || quality[set] < equal_cubes * best) continue;
+      if (found == 0 || adds_earlier_edges(set & ~marks, found & ~marks)) found = set;
     }
-    if (found != 0) return static_cast<EdgeMask>(found | marks);
+    if (found != 0) return found;
   }
   return all_edges;
 }
 
+/// Sets of marks, bit m for the set m, of which `marks_reach` has to be asked: the others reach the limit.
+std::uint64_t CellShape::doubtful_subsets(EdgeMask marks, double limit) const {
+  if (bent_) return subsets_of[marks];
+  measured_ = std::popcount(marks) < 4 ? marks : all_edges;  // all are needed where something falls short
+  const auto below = measure_child_shapes(static_cast<EdgeMask>(measured_), squared_, scale_, limit, ratio_);
+  return (below | (has_old_cuts_ ? sets_with_cuts : 0)) & subsets_of[marks];  // old cuts can leave no way at all
+}
+
 EdgeMask CellShape::closed_marks(EdgeMask marks, double floor) const {
   const bool has_floor = volume_ > 0 && floor > 0;
-  if (!has_floor && old_.mask == 0) return marks;  // only old cuts can leave no way at all
-  double limit = has_floor ? equal_cubes * cubed(floor) : std::numeric_limits<double>::lowest();
+  if (!has_floor && !has_old_cuts_) return marks;
+  double limit = has_floor ? equal_cubes * cubed(floor) : none;
   bool is_reachable = !has_floor;  // what 1:8 reaches is asked for where something falls short of the floor
-  unsigned set = marks;
-  std::uint64_t is_checked = 0;
-  for (unsigned rest = set; rest != 0 && set != all_edges;) {
-    const unsigned before = set;
-    const auto some = static_cast<EdgeMask>(rest);
-    if ((is_checked >> rest & 1U) == 0 && !marks_reach(some, limit)) {
-      if (!is_reachable) {
-        is_reachable = true;
-        const double reachable = of_regular_split();
-        limit = reachable > 0 ? std::min(limit, equal_cubes * reachable) : std::numeric_limits<double>::lowest();
-      }
-      if (!marks_reach(some, limit)) set |= smallest_good(some, limit);
+  auto set = marks;
+  auto doubtful = doubtful_subsets(set, limit);
+  for (std::uint64_t is_checked = 0; (doubtful & ~is_checked) != 0 && set != all_edges;) {
+    const auto some = static_cast<EdgeMask>(std::countr_zero(doubtful & ~is_checked));
+    is_checked |= std::uint64_t{1} << some;
+    if (marks_reach(some, limit)) continue;
+    if (!is_reachable) {
+      is_reachable = true;
+      const double reachable = of_regular_split();
+      limit = reachable > 0 ? std::min(limit, equal_cubes * reachable) : none;
+      if (marks_reach(some, limit)) continue;
     }
-    is_checked |= std::uint64_t{1} << rest;
-    rest = set != before ? set : (rest - 1) & set;
+    const auto grown = static_cast<EdgeMask>(set | smallest_good(some, limit));
+    if (grown != set) doubtful = doubtful_subsets(grown, limit);
+    set = grown;
   }
-  return static_cast<EdgeMask>(set);
+  return set;
 }
 
 }  // namespace pamr::refine

@@ -7,6 +7,7 @@
 
 #include "pamr/base/index.hpp"
 #include "pamr/geometry/tet_shape.hpp"
+#include "pamr/refine/child_shapes.hpp"
 #include "pamr/refine/mapped_points.hpp"
 #include "pamr/refine/split_pattern.hpp"
 
@@ -20,15 +21,12 @@ struct OldCuts {
 
 /// Mean ratios are compared by their third powers, which need no roots; two are equal within a factor 1 - 2^-40.
 constexpr double cubed(double mean_ratio) { return mean_ratio * mean_ratio * mean_ratio; }
-/// Different shapes that the children of a cell may have, over all ways to split it.
-inline constexpr std::size_t max_child_shapes = 210;
-
 inline constexpr double equal_cubes = 1 - 3 * 0x1p-40;
 
 /// How well a cell can be split. With straight edges that follows from its six squared edges alone, because the squared
 /// distances of its corners and midpoints are sums of them; with middles where a map of level 0 puts them from all ten
-/// points. Depends on neither ranks nor, but for rounding, the order of the corners. Local. Cost: some ten operations
-/// for each child that is looked at, some fifty with mapped middles.
+/// points. Depends on neither ranks nor, but for rounding, the order of the corners. Local. Cost: some twenty operations
+/// for each shape that children may have, several at a time; some fifty with mapped middles.
 class CellShape {
  public:
   explicit CellShape(const geometry::TetPoints& corner, OldCuts old = {});
@@ -54,14 +52,15 @@ class CellShape {
   EdgeMask closed_marks(EdgeMask marks, double floor) const;
 
  private:
-  double of_child(int shape) const;
+  void measure(EdgeMask edges) const;
   bool state_reaches(int state, double limit) const;
   bool marks_reach(EdgeMask marks, double limit) const;
   bool is_longer(int edge, int other) const;
-  bool is_higher_longer(int face, int pair) const;
+  void compare_lengths(unsigned pairs) const;
+  std::uint64_t doubtful_subsets(EdgeMask marks, double limit) const;
   bool is_before(int edge, int other) const;
   EdgeMask smallest_good(EdgeMask marks, double limit) const;
-  bool adds_earlier_edges(EdgeMask added, EdgeMask other) const;
+  bool adds_earlier_edges(unsigned added, unsigned other) const;
 
   geometry::Vec3 middle(int edge) const;
 
@@ -80,13 +79,15 @@ class CellShape {
     std::array<double, max_child_shapes> cubed_ratio;  ///< of children by their shapes in the table
   };
   mutable std::optional<Bent> bent_;
-  OldCuts old_;
   std::array<double, 6> squared_{};
-  mutable unsigned longer_ =
-      0;  ///< bit 3 f + i: of pair i of the edges of face f the one of the larger number is longer
+  bool has_old_cuts_ = false;
+  /// Bit 4 p + f: of pair p of the edges of face f the one of the larger number is longer, or an old cut says so.
+  mutable unsigned longer_ = 0;
   mutable unsigned known_ = 0;  ///< the bits of `longer_` that are known already
   double volume_ = 0;
   double scale_ = 0;
+  mutable unsigned measured_ = 0;                       ///< bits: edges of a straight cell
+  mutable std::array<double, max_child_shapes> ratio_;  ///< cubed, of the shapes that are measured
 };
 
 /// The state with these marks where there is but one, whatever the shape of the cell; else 0. Pre: one to five marks.
