@@ -97,12 +97,12 @@ int run(int n, int levels, int n_steps, double shift, const char* balance) {
     if (!comm.is_first()) continue;
     const auto& c = result.coarsening;
     fmt::print(
-        "{} -> {} -> {} cells, {} marked, {} octets gone, {} needed, {} closed, {} moved: {:.3f} us a cell here, "
-        "{:.3f} "
-        "outside of communication on all ranks, {:.2f} s, {:.0f} bytes a cell;{}\n",
+        "{} -> {} -> {} cells, {} marked, {} octets gone, {} needed, {} closed, {} moved to siblings, {} to "
+        "balance: {:.3f} us a cell here, {:.3f} outside of communication on all ranks, {:.2f} s, {:.0f} bytes a "
+        "cell;{}\n",
         cells_in, c.cells_between, cells_out, result.report.closure.n_marked, c.octets_gone, c.octets_needed,
-        c.families_closed, c.cells_moved, 1e6 * seconds / cells, 1e6 * compute / cells, elapsed, peak / cells,
-        of_steps);
+        c.families_closed, c.cells_moved, result.report.balance.moved_cells, 1e6 * seconds / cells,
+        1e6 * compute / cells, elapsed, peak / cells, of_steps);
   }
   const auto broken = validate::validate(comm, mesh);
   if (comm.is_first())

@@ -5,10 +5,13 @@
 # the nose, and the file is checked in slabs by a program of its own (large/check_in_slabs.py), which never holds the
 # cells. Prints time, memory and bytes of the last refinement. Docs: docs/reports/performance-calls.md, "The largest run".
 #
-#   bench/large.sh [BUILD] [--cells N] [--ranks P] [--mesh FILE] [--min-free MB] [--out FOLDER]
+# With --cube the mesh is Kuhn's cube, and all its cells are split.
+#
+#   bench/large.sh [BUILD] [--cells N | --cube N] [--ranks P] [--mesh FILE] [--min-free MB] [--out FOLDER]
 #
 #   BUILD         build folder (default build/release)
 #   --cells       cells of the result, about (default 150000000: takes 14 GB of disk twice and some 12 GB of memory)
+#   --cube        cubes a side, for 48 cells each in the result (174: 253 million take 24 GB of disk and 19 GB of memory)
 #   --ranks       processes (default 2)
 #   --mesh        mesh to begin with (default: made by pamr-mesh)
 #   --min-free  the last refinement is ended when the machine has less memory available (default 1500)
@@ -20,6 +23,7 @@ folder=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")" && pwd)
 root=$(cd -- "$folder/.." && pwd)
 build=$root/build/release
 cells=150000000
+cube=
 ranks=2
 mesh=
 min_free=1500
@@ -27,11 +31,12 @@ out=
 while [ $# -gt 0 ]; do
   case $1 in
     --cells) cells=${2:?large.sh: --cells needs a number}; shift 2 ;;
+    --cube) cube=${2:?large.sh: --cube needs a number}; shift 2 ;;
     --ranks) ranks=${2:?large.sh: --ranks needs a number}; shift 2 ;;
     --mesh) mesh=${2:?large.sh: --mesh needs a file}; shift 2 ;;
     --min-free) min_free=${2:?large.sh: --min-free needs a number}; shift 2 ;;
     --out) out=${2:?large.sh: --out needs a folder}; shift 2 ;;
-    -h | --help) sed -n '3,19s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
+    -h | --help) sed -n '3,21s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
     -*) echo "large.sh: unknown option $1 (see large.sh --help)" >&2; exit 2 ;;
     *) build=$1; shift ;;
   esac
@@ -63,25 +68,36 @@ refine_all() { # the mesh $now, in place
   mpirun -n "$ranks" pamr-refine "$out/marked.hdf" -o "$now" --force --quiet --json "$out/step.json"
 }
 
+mark_part_of_cone() { # the mesh $now, refined until it has an eighth of the cells
+  if [ -z "$mesh" ]; then
+    pamr-mesh --shape blunt-cone -o "$now" --force --quiet
+  else
+    cp "$mesh" "$now"
+  fi
+  n=$(count "$now")
+  times=0 # by 8, so that the last refinement gives what is wanted
+  while [ $((n * 8 ** (times + 1) * 78 / 10)) -le "$cells" ]; do times=$((times + 1)); done
+  partly=$((cells * 10 / 78 / 8 ** times))
+  if [ "$partly" -gt "$((n * 11 / 10))" ]; then refine_all --max-cells "$partly"; fi
+  shell=$(reach "$now")
+  for ((i = 0; i < times; ++i)); do refine_all; done
+  mpirun -n "$ranks" pamr-mark "$now" -o "$out/marked.hdf" --force --quiet --centroid-shell "$shell"
+}
+
 now=$out/mesh.hdf
-if [ -z "$mesh" ]; then
-  pamr-mesh --shape blunt-cone -o "$now" --force --quiet
+if [ -n "$cube" ]; then
+  size="--cube $cube"
+  pamr-mesh --shape kuhn-cube --n "$cube" -o "$now" --force --quiet
+  pamr-mark "$now" -o "$out/marked.hdf" --force --quiet --all
 else
-  cp "$mesh" "$now"
+  size="--cells $cells"
+  mark_part_of_cone
 fi
-n=$(count "$now")
-times=0 # by 8, so that the last refinement gives what is wanted
-while [ $((n * 8 ** (times + 1) * 78 / 10)) -le "$cells" ]; do times=$((times + 1)); done
-partly=$((cells * 10 / 78 / 8 ** times))
-if [ "$partly" -gt "$((n * 11 / 10))" ]; then refine_all --max-cells "$partly"; fi
-shell=$(reach "$now")
-for ((i = 0; i < times; ++i)); do refine_all; done
-mpirun -n "$ranks" pamr-mark "$now" -o "$out/marked.hdf" --force --quiet --centroid-shell "$shell"
 rm "$now"
 
 echo "$(date +%F), commit $(git -C "$root" rev-parse --short HEAD 2>/dev/null || echo unknown)," \
   "$(sed -n 's/^model name.*: //p' /proc/cpuinfo | head -1), $(nproc) cores, load $(cut -d' ' -f1 /proc/loadavg)." \
-  "Command: bench/large.sh --cells $cells --ranks $ranks"
+  "Command: bench/large.sh $size --ranks $ranks"
 mpirun -n "$ranks" pamr-refine "$out/marked.hdf" -o "$now" --force --json "$out/large.json" &
 job=$!
 while kill -0 $job 2>/dev/null; do

@@ -110,15 +110,15 @@ class Folding(unittest.TestCase):
     def test_steps_of_adapting_are_compared_with_those_of_one_rank(self):
         def line(compute):
             return (
-                "2478 -> 2470 -> 2724806 cells, 58 marked, 3 octets gone, 556 needed, 0 closed, 0 moved: 0.02 us a "
-                f"cell here, {compute} outside of communication on all ranks, 0.29 s, 136 bytes a cell; "
+                "2478 -> 2470 -> 2724806 cells, 58 marked, 3 octets gone, 556 needed, 0 closed, 160 moved to "
+                f"siblings, 2560 to balance: 0.02 us a cell here, {compute} outside of communication on all ranks, 0.29 s, 136 bytes a cell; "
                 "preprocessing 0.012 close 0.024"
             )
 
         one, four = list(tables.adapt_rows({1: [line(0.1)], 4: [line(0.125)]}))
-        self.assertEqual(one[:9], ["1", "1", "2,478", "2,470", "2,724,806", "58", "3", "0.1", "1.00"])
+        self.assertEqual(one[:11], ["1", "1", "2,478", "2,470", "2,724,806", "58", "3", "160", "2,560", "0.1", "1.00"])
         self.assertEqual(four[1], "4")
-        self.assertEqual(four[8:], ["1.25", "0.012", "-", "-", "0.024", "-", "-", "-", "-", "-", "136"])
+        self.assertEqual(four[10:], ["1.25", "0.012", "-", "-", "0.024", "-", "-", "-", "-", "-", "136"])
 
     def test_balance_has_a_row_for_each_mesh_and_number_of_ranks(self):
         def row(asked, given, faces):

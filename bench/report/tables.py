@@ -256,15 +256,15 @@ def read_rows(name, runs, ours, limits):
 
 
 ADAPT_LINE = re.compile(
-    r"(\d+) -> (\d+) -> (\d+) cells, (\d+) marked, (\d+) octets gone, .* ([\d.]+) outside of communication on all "
-    r"ranks, .*, (\d+) bytes a cell; (.*)"
+    r"(\d+) -> (\d+) -> (\d+) cells, (\d+) marked, (\d+) octets gone, .* (\d+) moved to siblings, (\d+) to "
+    r"balance: .* ([\d.]+) outside of communication on all ranks, .*, (\d+) bytes a cell; (.*)"
 )
 ADAPT_STEPS = ("preprocessing", "balance", "coarsen", "close", "migrate", "number", "project", "subdivide", "relink")
 
 
 def adapt_rows(lines_of_ranks):
     """Rows from what bench_adapt prints; `lines_of_ranks`: {ranks: its lines, one a step}, those of one first."""
-    one = [float(ADAPT_LINE.search(line)[6]) for line in next(iter(lines_of_ranks.values()))]
+    one = [float(ADAPT_LINE.search(line)[8]) for line in next(iter(lines_of_ranks.values()))]
     for ranks, lines in lines_of_ranks.items():
         for step, line in enumerate(lines):
             *counts, compute, memory, parts = ADAPT_LINE.search(line).groups()
@@ -293,7 +293,10 @@ def adapt_table(context):
         ).splitlines()
         for n in all_ranks
     }
-    head = "step | ranks | cells in | after coarsening | out | split | octets gone | us a cell | over one rank"
+    head = (
+        "step | ranks | cells in | after coarsening | out | split | octets gone | moved to siblings | moved to balance |"
+        " us a cell | over one rank"
+    )
     return [
         f"`bench_adapt {arguments}`. One rank is measured; of several, which share the cores, the compute is counted.",
         "",
@@ -379,6 +382,11 @@ TABLES = {
     "large": Table(
         "The largest run",
         script("large.sh", BUILD, "--out", "{out}/large", whole=(), quick=("--cells", "1500000"), tiny=None),
+        "performance-calls",
+    ),
+    "large-uniform": Table(
+        "The largest uniform run",
+        script("large.sh", BUILD, "--out", "{out}/large", "--cube", whole=("174",), quick=("64",), tiny=None),
         "performance-calls",
     ),
     "balance": Table("Balance", balance_table, "balance"),
