@@ -111,8 +111,8 @@ class Folding(unittest.TestCase):
         def line(compute):
             return (
                 "2478 -> 2470 -> 2724806 cells, 58 marked, 3 octets gone, 556 needed, 0 closed, 160 moved to "
-                f"siblings, 2560 to balance: 0.02 us a cell here, {compute} outside of communication on all ranks, 0.29 s, 136 bytes a cell; "
-                "preprocessing 0.012 close 0.024"
+                f"siblings, 2560 to balance: 0.02 us a cell here, {compute} outside of communication on all ranks, "
+                "0.29 s, 136 bytes a cell; preprocessing 0.012 close 0.024"
             )
 
         one, four = list(tables.adapt_rows({1: [line(0.1)], 4: [line(0.125)]}))

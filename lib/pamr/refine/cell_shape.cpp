@@ -5,7 +5,6 @@
 #include <bit>
 #include <limits>
 
-#include "pamr/refine/child_shapes.hpp"
 #include "pamr/refine/diagonal.hpp"
 
 namespace pamr::refine {
@@ -29,31 +28,18 @@ constexpr auto make_pairs_of_faces() {
 }
 constexpr auto pair_of_face = make_pairs_of_faces();
 
-/// `marked_pair[mask][face]`: the pair of edges that is marked, where just two are; else -1.
+/// `marked_pairs[mask]`: bit 4 p + f for pair p of face f, where just its two edges are marked.
 constexpr auto make_marked_pairs() {
-  std::array<std::array<std::int8_t, 4>, 64> faces{};
+  std::array<unsigned, 64> pairs{};
   for (unsigned mask = 0; mask < 64; ++mask)
-    for (int f = 0; f < 4; ++f) {
-      faces[mask][at(f)] = -1;
+    for (int f = 0; f < 4; ++f)
       for (int pair = 0; pair < 3; ++pair) {
         const auto [e, g] = pair_of_face[at(f)][at(pair)];
-        if ((mask & mesh::tet::face_edge_mask[at(f)]) == (1U << e | 1U << g))
-          faces[mask][at(f)] = static_cast<std::int8_t>(pair);
+        if ((mask & mesh::tet::face_edge_mask[at(f)]) == (1U << e | 1U << g)) pairs[mask] |= 1U << (4 * pair + f);
       }
-    }
-  return faces;
+  return pairs;
 }
-constexpr auto marked_pair = make_marked_pairs();
-
-/// `marked_pairs[mask]`: bit 4 p + f for pair p of face f, where just its two edges are marked.
-constexpr auto make_pair_bits() {
-  std::array<unsigned, 64> bits{};
-  for (std::size_t mask = 0; mask < 64; ++mask)
-    for (int f = 0; f < 4; ++f)
-      if (marked_pair[mask][at(f)] >= 0) bits[mask] |= 1U << (4 * marked_pair[mask][at(f)] + f);
-  return bits;
-}
-constexpr auto marked_pairs = make_pair_bits();
+constexpr auto marked_pairs = make_marked_pairs();
 
 /// Bit m for each set m: all subsets of a set; all sets with two marks on a face.
 constexpr auto make_subsets() {
@@ -289,7 +275,8 @@ EdgeMask CellShape::smallest_good(EdgeMask marks, double limit) const {
     const auto sets = supersets_of[marks] & sets_of_size[at(size)];
     for (auto rest = sets; rest != 0; rest &= rest - 1) {
       const int set = std::countr_zero(rest);
-      best = std::max(best, quality[at(set)] = of_marks(static_cast<EdgeMask>(set)));
+      quality[at(set)] = of_marks(static_cast<EdgeMask>(set));
+      best = std::max(best, quality[at(set)]);
     }
     EdgeMask found = 0;
     for (auto rest = sets; rest != 0; rest &= rest - 1) {

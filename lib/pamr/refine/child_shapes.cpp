@@ -92,7 +92,11 @@ constexpr ShapeTable make_table() {
   return table;
 }
 
-constexpr ShapeTable table = make_table();
+}  // namespace
+
+constexpr ShapeTable shape_table = make_table();
+
+namespace {
 
 /// Shapes are measured two at a time, in vectors of the compiler's.
 constexpr std::size_t n_lanes = 2;
@@ -115,7 +119,7 @@ constexpr bool is_listed(const ChildShape& shape, unsigned edges) {
 
 constexpr std::size_t n_listed(unsigned edges) {
   std::size_t n = 0;
-  for (const auto& shape : table.shape) n += is_listed(shape, edges) ? 1 : 0;
+  for (const auto& shape : shape_table.shape) n += is_listed(shape, edges) ? 1 : 0;
   return (n + n_lanes - 1) / n_lanes * n_lanes;
 }
 
@@ -141,14 +145,14 @@ constexpr Lists make_lists() {
   for (unsigned edges = 0; edges < 64; ++edges) {
     std::size_t i = begin_of_list[edges];
     const auto add = [&](std::size_t s) {
-      for (std::size_t e = 0; e < 6; ++e) lists.factor[e][i] = table.shape[s].factor[e];
-      lists.squared_volume[i] = table.shape[s].squared_volume;
-      lists.sets[i] = table.sets[s];
+      for (std::size_t e = 0; e < 6; ++e) lists.factor[e][i] = shape_table.shape[s].factor[e];
+      lists.squared_volume[i] = shape_table.shape[s].squared_volume;
+      lists.sets[i] = shape_table.sets[s];
       lists.shape[i++] = static_cast<std::uint8_t>(s);
     };
     std::size_t last = 0;
     for (std::size_t s = 0; s < max_child_shapes; ++s)
-      if (is_listed(table.shape[s], edges)) add(last = s);
+      if (is_listed(shape_table.shape[s], edges)) add(last = s);
     while (i < begin_of_list[edges + 1]) add(last);
   }
   return lists;
@@ -157,10 +161,8 @@ constexpr Lists lists = make_lists();
 
 }  // namespace
 
-constexpr ShapeTable shape_table = table;
-
 double cubed_ratio(int shape, const std::array<double, 6>& squared, double scale) {
-  const auto& of_table = table.shape[at(shape)];
+  const auto& of_table = shape_table.shape[at(shape)];
   const auto& f = of_table.factor;
   const double sum = (f[0] * squared[0] + f[1] * squared[1]) + (f[2] * squared[2] + f[3] * squared[3]) +
                      (f[4] * squared[4] + f[5] * squared[5]);
