@@ -41,6 +41,10 @@ while [ $# -gt 0 ]; do
     *) build=$1; shift ;;
   esac
 done
+if [ -n "$cube" ] && [ -n "$mesh" ]; then
+  echo "large.sh: expected --cube or --mesh, found both" >&2
+  exit 2
+fi
 out=${out:-$build/bench/large-out}
 python=${PAMR_PYTHON:-python3}
 PATH=$build/bin:$PATH
