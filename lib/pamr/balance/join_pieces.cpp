@@ -21,18 +21,34 @@ struct Source {
   LocalId cell = 0;
 };
 
+void add_row(std::vector<RowRun>& runs, std::uint32_t piece, LocalId row) {
+  if (!runs.empty() && runs.back().piece == piece && runs.back().first + runs.back().n == row)
+    ++runs.back().n;
+  else
+    runs.push_back({piece, row, 1});
+}
+
+std::size_t count_rows(const std::vector<RowRun>& runs) {
+  std::size_t n = 0;
+  for (const auto& run : runs) n += at(run.n);
+  return n;
+}
+
 /// The cells of all pieces that are here from now on, in ascending global order.
-std::vector<Source> merge_order(Rank here, const std::vector<Piece>& pieces) {
+std::vector<RowRun> merge_order(Rank here, const std::vector<Piece>& pieces) {
   const auto id = [&](Source s) { return pieces[s.piece].mesh.cell_global[at(s.cell)]; };
-  const auto before = [&](Source a, Source b) { return id(a) < id(b); };
-  std::vector<Source> stayed, arrived, order;
-  for (std::uint32_t p = 0; p < pieces.size(); ++p)
-    for (LocalId c = 0; c < pieces[p].mesh.n_cells(); ++c)
-      if (pieces[p].is_on(here, c)) (p == 0 ? stayed : arrived).push_back({p, c});
-  if (arrived.empty()) return stayed;
-  std::sort(arrived.begin(), arrived.end(), before);
-  order.reserve(stayed.size() + arrived.size());
-  std::merge(stayed.begin(), stayed.end(), arrived.begin(), arrived.end(), std::back_inserter(order), before);
+  std::vector<Source> arrived;
+  for (std::uint32_t p = 1; p < pieces.size(); ++p)
+    for (LocalId c = 0; c < pieces[p].mesh.n_cells(); ++c) arrived.push_back({p, c});
+  std::sort(arrived.begin(), arrived.end(), [&](Source a, Source b) { return id(a) < id(b); });
+  std::vector<RowRun> order;
+  auto next = arrived.begin();
+  for (LocalId c = 0; c < pieces.front().mesh.n_cells(); ++c) {
+    if (!pieces.front().is_on(here, c)) continue;
+    for (; next != arrived.end() && id(*next) < id({0, c}); ++next) add_row(order, next->piece, next->cell);
+    add_row(order, 0, c);
+  }
+  for (; next != arrived.end(); ++next) add_row(order, next->piece, next->cell);
   return order;
 }
 
@@ -58,7 +74,7 @@ class NodeJoiner {
     GlobalId min = 0, max = 0;
     std::size_t n_outer = 0;
     for (const auto& piece : pieces) {
-      to_new_.emplace_back(at(piece.mesh.n_nodes()), invalid_local);
+      assign_array(to_new_.emplace_back(), at(piece.mesh.n_nodes()), invalid_local);
       is_outer_.push_back(find_outer_nodes(here, piece));
       for (std::size_t n = 0; n < is_outer_.back().size(); ++n) {
         if (is_outer_.back()[n] == 0) continue;
@@ -70,36 +86,27 @@ class NodeJoiner {
     }
     map_ = mesh::IdMap(min, max, n_outer);
   }
-  LocalId number(Source cell, LocalId node) {
-    auto& here = to_new_[cell.piece][at(node)];
+  LocalId number(std::uint32_t piece, LocalId node) {
+    auto& here = to_new_[piece][at(node)];
     if (here != invalid_local) return here;
-    const auto next = static_cast<LocalId>(source_.size());
-    here = is_outer_[cell.piece][at(node)] == 0
-               ? next
-               : map_.find_or_insert(pieces_[cell.piece].mesh.node_global[at(node)], next);
-    if (here == next) source_.push_back({cell.piece, node});
+    here = is_outer_[piece][at(node)] == 0 ? n_ : map_.find_or_insert(pieces_[piece].mesh.node_global[at(node)], n_);
+    if (here == n_) {
+      add_row(source_, piece, node);
+      ++n_;
+    }
     return here;
   }
   /// Where each new node is found first.
-  const std::vector<Source>& sources() const { return source_; }
+  std::vector<RowRun> take_sources() { return std::move(source_); }
 
  private:
   const std::vector<Piece>& pieces_;
   mesh::IdMap map_;
   std::vector<std::vector<LocalId>> to_new_;
   std::vector<std::vector<std::uint8_t>> is_outer_;
-  std::vector<Source> source_;
+  std::vector<RowRun> source_;
+  LocalId n_ = 0;
 };
-
-std::vector<RowRun> runs_of(const std::vector<Source>& order) {
-  std::vector<RowRun> runs;
-  for (const auto [piece, row] : order)
-    if (!runs.empty() && runs.back().piece == piece && runs.back().first + runs.back().n == row)
-      ++runs.back().n;
-    else
-      runs.push_back({piece, row, 1});
-  return runs;
-}
 
 /// These rows of one array of every piece, which are freed.
 template <class Array>
@@ -107,9 +114,7 @@ auto gather(std::vector<Piece>& pieces, const std::vector<RowRun>& runs, Array a
   std::remove_reference_t<decltype(array(pieces.front()))> all;
   std::vector<decltype(all.data())> from;
   for (auto& piece : pieces) from.push_back(array(piece).data());
-  std::size_t n_rows = 0;
-  for (const auto& run : runs) n_rows += at(run.n);
-  reserve_array(all, n_rows);
+  reserve_array(all, count_rows(runs));
   for (const auto& [piece, first, n] : runs) {
     const auto* values = from[piece] + first;
     if (n == 1)
@@ -139,47 +144,71 @@ struct NewNumbers {
   std::vector<Gone> gone;
 };
 
-NewNumbers find_new_numbers(Rank here, const std::vector<Piece>& pieces, const std::vector<Source>& order) {
+NewNumbers find_new_numbers(const std::vector<Piece>& pieces, const std::vector<RowRun>& order) {
   NewNumbers numbers;
-  for (const auto& piece : pieces) numbers.of_cell.emplace_back(piece.mesh.cell_to_cell.size());
-  for (std::size_t c = 0; c < order.size(); ++c)
-    numbers.of_cell[order[c].piece][at(order[c].cell)] = static_cast<LocalId>(c);
+  for (const auto& piece : pieces) reserve_array(numbers.of_cell.emplace_back(), piece.mesh.cell_to_cell.size());
   const auto& first = pieces.front();
-  for (LocalId c = 0; c < std::ssize(first.mesh.cell_to_cell); ++c) {
-    if (first.is_on(here, c)) continue;
-    numbers.gone.push_back({first.destination[at(c)], first.mesh.cell_global[at(c)]});
-    numbers.of_cell.front()[at(c)] = -static_cast<LocalId>(numbers.gone.size());
+  auto& stayed = numbers.of_cell.front();
+  const auto add_gone = [&](LocalId end) {
+    for (auto c = static_cast<LocalId>(stayed.size()); c < end; ++c) {
+      numbers.gone.push_back({first.destination[at(c)], first.mesh.cell_global[at(c)]});
+      stayed.push_back(-static_cast<LocalId>(numbers.gone.size()));
+    }
+  };
+  LocalId next = 0;
+  for (const auto& run : order) {
+    auto& of_cell = numbers.of_cell[run.piece];
+    if (run.piece == 0)
+      add_gone(run.first);
+    else
+      of_cell.resize(std::max(of_cell.size(), at(run.first + run.n)));
+    for (LocalId i = 0; i < run.n; ++i, ++next)
+      if (run.piece == 0)
+        of_cell.push_back(next);
+      else
+        of_cell[at(run.first + i)] = next;
   }
+  add_gone(static_cast<LocalId>(first.mesh.cell_to_cell.size()));
   return numbers;
 }
 
 /// Neighbors of the joined mesh, which has its cells and nodes already. Returns the faces to other ranks.
 std::vector<mesh::RemoteFace> join_neighbors(Rank here, const std::vector<Piece>& pieces, const NewNumbers& numbers,
-                                             const std::vector<Source>& order, mesh::DistMesh& mesh) {
+                                             const std::vector<RowRun>& order, mesh::DistMesh& mesh) {
   std::vector<mesh::RemoteFace> border;
-  reserve_array(mesh.cell_to_cell, order.size());
-  for (const auto [p, cell] : order) {
-    const auto& piece = pieces[p];
+  reserve_array(mesh.cell_to_cell, mesh.cell_global.size());
+  for (const auto& run : order) {
+    const auto& piece = pieces[run.piece];
+    const auto& new_number = numbers.of_cell[run.piece];
     const auto n_piece = static_cast<LocalId>(piece.mesh.cell_to_cell.size());
-    auto& slots = mesh.cell_to_cell.emplace_back(piece.mesh.cell_to_cell[at(cell)]);
-    for (int f = 0; f < 4; ++f) {
-      auto& slot = slots[at(f)];
-      if (slot < 0) continue;
-      const mesh::CellFace face{static_cast<LocalId>(mesh.cell_to_cell.size() - 1), f};
-      if (slot < n_piece) {
-        slot = numbers.of_cell[p][at(slot)];
-        if (slot >= 0) continue;
-        const auto& gone = numbers.gone[at(-1 - slot)];
-        border.push_back({face, gone.rank, gone.global});
-        continue;
+    const auto end = run.first + run.n;
+    const auto shift = static_cast<LocalId>(mesh.cell_to_cell.size()) - run.first;
+    for (auto cell = run.first; cell < end; ++cell) {
+      auto slots = piece.mesh.cell_to_cell[at(cell)];
+      for (int f = 0; f < 4; ++f) {
+        auto& slot = slots[at(f)];
+        if (slot < 0) continue;
+        if (slot >= run.first && slot < end) {
+          slot += shift;
+          continue;
+        }
+        const mesh::CellFace face{static_cast<LocalId>(mesh.cell_to_cell.size()), f};
+        if (slot < n_piece) {
+          slot = new_number[at(slot)];
+          if (slot >= 0) continue;
+          const auto& gone = numbers.gone[at(-1 - slot)];
+          border.push_back({face, gone.rank, gone.global});
+          continue;
+        }
+        const auto ghost = at(slot - n_piece);
+        const auto global = piece.mesh.ghost_global[ghost];
+        if (piece.ghost_to[ghost] == here) {
+          slot = find_cell(mesh, global);
+          continue;
+        }
+        border.push_back({face, piece.ghost_to[ghost], global});
       }
-      const auto ghost = at(slot - n_piece);
-      const auto global = piece.mesh.ghost_global[ghost];
-      if (piece.ghost_to[ghost] == here) {
-        slot = find_cell(mesh, global);
-        continue;
-      }
-      border.push_back({face, piece.ghost_to[ghost], global});
+      mesh.cell_to_cell.push_back(slots);
     }
   }
   return border;
@@ -190,24 +219,26 @@ std::vector<mesh::RemoteFace> join_neighbors(Rank here, const std::vector<Piece>
 Joined join_pieces(Rank here, std::vector<Piece> pieces, std::vector<std::uint8_t>& cell_byte) {
   Joined joined;
   auto& [mesh, cells, nodes] = joined;
-  const auto order = merge_order(here, pieces);
-  narrow<LocalId>(order.size());
+  cells = merge_order(here, pieces);
+  const auto n_cells = count_rows(cells);
+  narrow<LocalId>(n_cells);
   {
     NodeJoiner joiner(here, pieces);
-    reserve_array(mesh.cell_to_node, order.size());
-    for (const auto cell : order) {
-      auto& corners = mesh.cell_to_node.emplace_back(pieces[cell.piece].mesh.cell_to_node[at(cell.cell)]);
-      for (auto& node : corners) node = joiner.number(cell, node);
-    }
+    reserve_array(mesh.cell_to_node, n_cells);
+    for (const auto& [piece, first, n] : cells)
+      for (auto c = first; c < first + n; ++c) {
+        auto corners = pieces[piece].mesh.cell_to_node[at(c)];
+        for (auto& node : corners) node = joiner.number(piece, node);
+        mesh.cell_to_node.push_back(corners);
+      }
     for (auto& piece : pieces) free_array(piece.mesh.cell_to_node);
-    nodes = runs_of(joiner.sources());
+    nodes = joiner.take_sources();
   }
   mesh.node_global = gather(
       pieces, nodes, [](Piece & p) -> auto& { return p.mesh.node_global; });
   mesh.node_position = gather(
       pieces, nodes, [](Piece & p) -> auto& { return p.mesh.node_position; });
-  cells = runs_of(order);
-  const auto numbers = find_new_numbers(here, pieces, order);
+  const auto numbers = find_new_numbers(pieces, cells);
   mesh.cell_global = gather(
       pieces, cells, [](Piece & p) -> auto& { return p.mesh.cell_global; });
   mesh.lineage = gather(
@@ -219,7 +250,7 @@ Joined join_pieces(Rank here, std::vector<Piece> pieces, std::vector<std::uint8_
   if (std::any_of(pieces.begin(), pieces.end(), [](const Piece& p) { return !p.cell_byte.empty(); }))
     cell_byte = gather(
         pieces, cells, [](Piece & p) -> auto& { return p.cell_byte; });
-  const auto border = join_neighbors(here, pieces, numbers, order, mesh);
+  const auto border = join_neighbors(here, pieces, numbers, cells, mesh);
   pieces = {};
   mesh::fill_border(here, mesh, border);
   return joined;

@@ -15,6 +15,7 @@
 #include "pamr/base/contract.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
+#include "pamr/mesh/cell_runs.hpp"
 
 namespace pamr::balance {
 
@@ -129,6 +130,13 @@ class Chooser {
   }
 
   /// Scotch's parts; pieces of the curve where Scotch cannot make any, or where these meet what its own miss.
+  /// Runs of cells where the ranks hold such, which costs least, or pieces of the curve.
+  Choice first_choice() const {
+    if (mesh::cell_runs(comm_, mesh_).empty()) return curve();
+    auto runs = blocks();
+    return meets(runs.quality, options_) ? std::move(runs) : better(std::move(runs), curve());
+  }
+
   Choice scotch() const {
     auto part = part_by_scotch(comm_, mesh_, weight_, n_parts_, options_);
     if (!part) return curve();
@@ -139,8 +147,7 @@ class Chooser {
   }
 
   Choice cheapest() const {
-    auto runs = blocks();
-    if (!meets(runs.quality, options_)) runs = better(std::move(runs), curve());
+    auto runs = first_choice();
     const bool are_even = runs.quality.imbalance <= options_.keep_below;
     if (are_even && options_.passes * work_of_pass(runs.quality, size()) <= work_with_scotch(size(), options_))
       return runs;

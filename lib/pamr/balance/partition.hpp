@@ -73,8 +73,9 @@ struct Partition {
 /// few cells move, and unless `keep_below` is below 1 this is the rule, whatever the weights mean:
 /// 1. All stays where it is while the ranks are within `keep_below` (or the heaviest family, which no part can be
 ///    below) and `max_cut`.
-/// 2. Else parts are made by the method. `best` takes runs of cells in global order if these meet both, else pieces of
-///    the curve; but PT-Scotch if these are not even, or if it is expected to cost less in all (`price.hpp`).
+/// 2. Else parts are made by the method. `best` takes runs of cells in global order if the ranks hold such and these
+///    meet both, else pieces of the curve; but PT-Scotch if these are not even, or if it is expected to cost less in
+///    all (`price.hpp`).
 /// 3. Cells move to them if they meet both, or if a pass over the mesh gets at least a hundredth cheaper.
 /// Collective. Cost: a few reductions for 1; O(cells / ranks), and Scotch on `vertices_per_part * n_parts` vertices.
 Partition partition(const par::Comm& comm, const mesh::DistMesh& mesh, std::span<const std::int64_t> weight,

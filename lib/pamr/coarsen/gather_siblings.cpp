@@ -59,20 +59,35 @@ bool may_be_elsewhere(const mesh::DistMesh& mesh, std::span<const std::int8_t> f
   return !has_first || child < 7;
 }
 
-/// Those of this rank that are in no octet here, though one may lie on several ranks.
+/// Behind the eight siblings that begin with this cell, all of which may be coarsened; itself if they are not all here.
+LocalId end_of_siblings(const mesh::DistMesh& mesh, std::span<const std::int8_t> flags, LocalId first) {
+  const auto parent = mesh.lineage[at(first)].base().red_parent();
+  auto end = first;
+  for (int child = 0; child < 8; ++child) {
+    if (end == mesh.n_cells() || (child > 0 && !continues_at(mesh, end))) return first;
+    const auto base = mesh.lineage[at(end)].base();
+    if (base.depth() == 0 || base.child_number() != child || base.red_parent() != parent ||
+        !base_cell_may_go(mesh, flags, end))
+      return first;
+    end = end_of_base_cell(mesh, end);
+  }
+  return end;
+}
+
+/// Those of this rank whose siblings are not all here, though they may be elsewhere.
 std::vector<Lone> find_lone(const mesh::DistMesh& mesh, std::span<const std::int8_t> flags, Rank here) {
-  const auto octets = find_octets(mesh, flags).octets;
-  auto next = octets.begin();
   std::vector<Lone> lone;
   LocalId end = 0;
   for (LocalId c = 0; c < mesh.n_cells(); c = end) {
-    if (next != octets.end() && next->first == c) {
-      end = next++->end;
-      continue;
-    }
     end = end_of_base_cell(mesh, c);
     const auto base = mesh.lineage[at(c)].base();
-    if (base.depth() == 0 || !base_cell_may_go(mesh, flags, c) || !may_be_elsewhere(mesh, flags, c)) continue;
+    if (base.depth() == 0 || !base_cell_may_go(mesh, flags, c)) continue;
+    if (base.child_number() == 0)
+      if (const auto after = end_of_siblings(mesh, flags, c); after != c) {
+        end = after;
+        continue;
+      }
+    if (!may_be_elsewhere(mesh, flags, c)) continue;
     lone.push_back({mesh.cell_global[at(c)], base.red_parent().bits(), end - c, base.child_number(), here, c});
   }
   return lone;
