@@ -138,6 +138,10 @@ void PartialFile::divert() const noexcept {
   ::close(memory);
 }
 
+void PartialFile::begin_flush() const noexcept {
+  if (descriptor_ >= 0) sync_file_range(descriptor_, 0, 0, SYNC_FILE_RANGE_WRITE);
+}
+
 void PartialFile::commit() {
   if (replaced_ && !set_rights(descriptor_, *replaced_)) fail("cannot give it the rights of the file that it replaces");
   struct stat made {

@@ -48,6 +48,9 @@ class PartialFile {
   void divert() const noexcept;
   /// Writes a text from the beginning on.
   void write(std::string_view text) const;
+  /// Has the system begin to bring what was written so far to the disk, so that `commit` waits for less. Does nothing
+  /// on ranks that have not made it, nor where the system cannot; does not throw.
+  void begin_flush() const noexcept;
   /// Flushes it to the disk and gives it its name, replacing a file of that name in one step. On the rank that made it.
   void commit();
   /// Removes it, on the rank that made it; does not throw.

@@ -46,6 +46,25 @@ TEST(Checksum, HasTheValueThatTheFormatSpecifies) {
   EXPECT_EQ(io::Checksum(0).result(comm), 0U);
 }
 
+TEST(Checksum, IsThatOfTheFormatForRowsOfEveryWidthAndInEveryNumber) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  for (std::size_t width = 1; width <= 6; ++width)
+    for (GlobalId n = 1; n <= 40; ++n) {
+      const auto n_words = static_cast<GlobalId>(width) * n;
+      const auto values = words(n_words, width);
+      std::uint64_t block = 0;
+      for (GlobalId row = 0; row < n; ++row) {
+        auto hash = static_cast<std::uint64_t>(row);
+        for (std::size_t i = 0; i < width; ++i) hash = combine(hash, values[static_cast<std::size_t>(row) * width + i]);
+        block += mix(hash);
+      }
+      io::Checksum checksum(n);
+      if (comm.is_first()) checksum.add(0, width, values);
+
+      EXPECT_EQ(checksum.result(comm), combine(static_cast<std::uint64_t>(n), block)) << width << " words, " << n;
+    }
+}
+
 TEST(Checksum, TellsExchangedRowsAndMovedValuesApart) {
   const par::Comm comm(MPI_COMM_WORLD);
   const auto of = [&](std::vector<std::uint64_t> values, std::size_t width) {

@@ -335,7 +335,7 @@ void write_text(const Job& job, const TextPlan& plan, hid_t dataset, hid_t trans
 }
 
 /// Writes the values, and then the checksums of them. Collective.
-void fill(const Job& job, const OpenFile& open) {
+void fill(const Job& job, const PartialFile& partial, const OpenFile& open) {
   const auto& arrays = job.plan.arrays;
   std::vector<Checksum> checksums;
   for (const auto& plan : arrays) checksums.emplace_back(plan.has_checksum ? plan.shape.rows : 0);
@@ -343,11 +343,17 @@ void fill(const Job& job, const OpenFile& open) {
   for (std::size_t i = 0; i < arrays.size(); ++i)
     targets.push_back({arrays[i], open.arrays[i].id(), open.transfer.id(), checksums[i]});
   Piece piece;  // its memory is taken once
-  for (const auto& target : targets)
-    if (!target.is_local()) write_travelling(job, target, piece);
+  for (const auto& target : targets) {
+    if (target.is_local()) continue;
+    write_travelling(job, target, piece);
+    partial.begin_flush();
+  }
   par::agree(job.comm, [&] {
-    for (const auto& target : targets)
-      if (target.is_local()) write_local(job, target, piece);
+    for (const auto& target : targets) {
+      if (!target.is_local()) continue;
+      write_local(job, target, piece);
+      partial.begin_flush();
+    }
   });
   const auto values = Checksum::results(job.comm, checksums);
   par::agree(job.comm, [&] {
@@ -397,7 +403,7 @@ void write_native(const par::Comm& comm, const std::filesystem::path& file, cons
   try {
     make_room(job, partial);
     create(job, partial, std::bit_cast<std::int64_t>(fingerprint), open);
-    fill(job, open);
+    fill(job, partial, open);
     const bool closed = close(comm, partial, open);
     par::agree(comm, [&] { hdf5::require(closed, "file '" + file.string() + "': cannot complete it"); });
     par::agree(comm, [&] {
