@@ -88,15 +88,6 @@ void check_structure(const mesh::DistMesh& mesh, Rank rank, Rank size, Findings&
     check_ids(mesh, findings);
 }
 
-/// Without a root: nearly every cell. All six squared edges are at most five times the three at a corner together.
-bool is_far_from_flat(const geometry::TetPoints& p) {
-  constexpr double far = 100 * min_mean_ratio;
-  const auto u = p[1] - p[0], v = p[2] - p[0], w = p[3] - p[0];
-  const double determinant = dot(cross(u, v), w);
-  const double bound = far * 5 * (dot(u, u) + dot(v, v) + dot(w, w)) / 12;
-  return determinant > 0 && 0.25 * determinant * determinant > bound * bound * bound;
-}
-
 /// Which patches break `untagged_outside`, and how.
 std::string text_of_untagged(const mesh::MeshInfo& info, std::int64_t n_faces_inside) {
   std::vector<std::string> names;

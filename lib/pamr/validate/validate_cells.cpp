@@ -45,11 +45,20 @@ int face_sign(const mesh::DistMesh& mesh, mesh::CellFace face) {
   return inversions % 2 == 0 ? 1 : -1;
 }
 
+bool is_far_from_flat(const geometry::TetPoints& p) {
+  constexpr double far = 100 * min_mean_ratio;
+  const auto u = p[1] - p[0], v = p[2] - p[0], w = p[3] - p[0];
+  const double determinant = dot(cross(u, v), w);
+  const double bound = far * 5 * (dot(u, u) + dot(v, v) + dot(w, w)) / 12;
+  return determinant > 0 && 0.25 * determinant * determinant > bound * bound * bound;
+}
+
 void check_shapes(const mesh::DistMesh& mesh, Findings& findings) {
   for (std::size_t n = 0; n < mesh.node_position.size(); ++n)
     if (!is_finite(mesh.node_position[n])) findings.add(Invariant::finite_coordinates, mesh.node_global[n]);
   for (LocalId c = 0; c < mesh.n_cells(); ++c) {
     const auto p = mesh.points(c);
+    if (is_far_from_flat(p)) continue;
     if (!std::all_of(p.begin(), p.end(), geometry::is_finite)) continue;
     if (!geometry::is_positive(p[0], p[1], p[2], p[3]))
       findings.add(Invariant::orientation_positive, number_of(mesh, c));
