@@ -14,6 +14,7 @@ FLAT_VOLUME_ERROR = 1e-9
 CELLS_BESIDE_OURS = (1 / 3, 6)  # of a code that did the same work by another algorithm
 HOLE_VOLUME = 4.0**3 - 4 / 3 * math.pi
 MAX_SECONDS = 1800  # of one run
+PEER_SECONDS = 240  # of one run of another code on a workload; the levels that it has printed by then count
 
 
 class Failed(Exception):
@@ -35,15 +36,34 @@ def output_of(command, environment=None):
         )
     except (OSError, subprocess.TimeoutExpired) as error:
         raise Failed(str(error)[:160]) from error
-    if done.returncode != 0 and not (done.returncode == 1 and "FAIL" in done.stdout):
-        lines = [line for line in done.stderr.splitlines() if line.strip()]
-        raise Failed(f"ended with code {done.returncode}: {(lines or ['no message'])[-1].strip()}"[:160])
-    return done.stdout
+    return checked(done.stdout, done.stderr, done.returncode)
+
+
+def checked(text, errors, code):
+    """The text, unless the program that printed it has failed."""
+    if code != 0 and not (code == 1 and "FAIL" in text):
+        lines = [line for line in errors.splitlines() if line.strip()]
+        raise Failed(f"ended with code {code}: {(lines or ['no message'])[-1].strip()}"[:160])
+    return text
+
+
+def levels_of_peer(command, environment=None, seconds=PEER_SECONDS):
+    """What another code prints, and whether it was ended because it took longer; `Failed` as `output_of`."""
+    words = [str(word) for word in command]
+    with subprocess.Popen(
+        words, env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as run:
+        try:
+            text, errors = run.communicate(timeout=seconds)
+        except subprocess.TimeoutExpired:
+            run.kill()
+            return lines_by_level(run.communicate()[0]), True
+    return lines_by_level(checked(text, errors, run.returncode)), False
 
 
 def lines_by_level(text):
-    """{level: values} of what a code prints; whatever else its libraries print is passed over."""
-    rows = [json.loads(line) for line in text.splitlines() if line.startswith("{")]
+    """{level: values} of what a code prints; whatever else its libraries print, and half a line, is passed over."""
+    rows = [json.loads(line) for line in text.splitlines() if line.startswith("{") and line.endswith("}")]
     return {row["level"]: row for row in rows}
 
 
@@ -77,6 +97,7 @@ class Pair:
     limit: float
     runs: int
     load: float
+    was_ended: bool = False
 
 
 def doubt(work, entry, theirs, ours):
@@ -131,14 +152,19 @@ class Bench:
         """A `Pair`; `Failed` where the code fails."""
         command = [*peers.command(name), *work.command(work.mesh)]
         environment = peers.environment(name)
-        runs, our_runs, limits = [], [], []
+        runs, our_runs, limits, was_ended = [], [], [], False
         for _ in self.turns():
             limits.append(self.limit())
             our_runs.append(lines_by_level(output_of([self.ours, *work.command(work.our_mesh)])))
-            runs.append(lines_by_level(output_of([*command, "assess"] if not runs else command, environment)))
+            levels, too_slow = levels_of_peer([*command, "assess"] if not runs else command, environment)
+            runs.append(levels)
+            was_ended = was_ended or too_slow
+            if too_slow and (work.kind == "front" or max(levels, default=0) == 0):
+                raise Failed(f"not done after {PEER_SECONDS} s")
             if not runs[0] or max(runs[0]) == 0:
                 raise Failed("printed no level")
-        return Pair(name, runs[0], medians(runs), medians(our_runs), statistics.median(limits), len(runs), load())
+        limit = statistics.median(limits)
+        return Pair(name, runs[0], medians(runs), medians(our_runs), limit, len(runs), load(), was_ended)
 
     def all_beside(self, work, peers, names):
         """Ours assessed, the pairs, and {name: why there is none}."""
@@ -159,6 +185,8 @@ class Bench:
             if wrong:
                 notes[name] = f"does other work: {wrong}"
                 continue
+            if pair.was_ended:
+                notes[name] = f"ended after {PEER_SECONDS} s; its row has the last level it came to"
             pairs.append(pair)
         return ours, pairs, notes
 

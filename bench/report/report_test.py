@@ -135,6 +135,22 @@ class Folding(unittest.TestCase):
         )
 
 
+class SlowCodes(unittest.TestCase):
+    def levels(self, program, seconds):
+        return measure.levels_of_peer([sys.executable, "-c", program], seconds=seconds)
+
+    def test_keep_the_levels_that_they_came_to(self):
+        program = (
+            "import time\nprint('{\"level\": 1}', flush=True)\nprint('{\"lev', end='', flush=True)\ntime.sleep(60)"
+        )
+        self.assertEqual(self.levels(program, 2), ({1: {"level": 1}}, True))
+
+    def test_are_not_ended_in_time_and_fail_with_their_last_word(self):
+        self.assertEqual(self.levels("print('{\"level\": 2}')", 60), ({2: {"level": 2}}, False))
+        with self.assertRaisesRegex(measure.Failed, "code 3: no mesh"):
+            self.levels("import sys; print('no mesh', file=sys.stderr); sys.exit(3)", 60)
+
+
 class Assessment(unittest.TestCase):
     def setUp(self):
         cells, nodes = workload.kuhn_cube(2)
