@@ -115,7 +115,8 @@ class Folding(unittest.TestCase):
                 "0.29 s, 136 bytes a cell; preprocessing 0.012 close 0.024"
             )
 
-        one, four = list(tables.adapt_rows({1: [line(0.1)], 4: [line(0.125)]}))
+        runs = [[line(compute)] for compute in (0.9, 0.1, 0.125)]
+        one, four = list(tables.adapt_rows({1: [line(0.1)], 4: tables.middle_lines(runs)}))
         self.assertEqual(one[:11], ["1", "1", "2,478", "2,470", "2,724,806", "58", "3", "160", "2,560", "0.1", "1.00"])
         self.assertEqual(four[1], "4")
         self.assertEqual(four[10:], ["1.25", "0.012", "-", "-", "0.024", "-", "-", "-", "-", "-", "136"])
