@@ -5,6 +5,8 @@ work."""
 import dataclasses
 import json
 import math
+import os
+import signal
 import statistics
 import subprocess
 import sys
@@ -48,16 +50,29 @@ def checked(text, errors, code):
 
 
 def levels_of_peer(command, environment=None, seconds=PEER_SECONDS):
-    """What another code prints, and whether it was ended because it took longer; `Failed` as `output_of`."""
-    words = [str(word) for word in command]
-    with subprocess.Popen(
-        words, env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-    ) as run:
+    """What another code prints, and whether it was ended, with all that it has started, because it took longer; `Failed`
+    as `output_of`."""
+    try:
+        run = subprocess.Popen(
+            [str(word) for word in command],
+            env=environment,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            start_new_session=True,
+        )
+    except OSError as error:
+        raise Failed(str(error)[:160]) from error
+    with run:
         try:
             text, errors = run.communicate(timeout=seconds)
         except subprocess.TimeoutExpired:
-            run.kill()
+            os.killpg(run.pid, signal.SIGKILL)
             return lines_by_level(run.communicate()[0]), True
+        except BaseException:
+            os.killpg(run.pid, signal.SIGKILL)
+            raise
     return lines_by_level(checked(text, errors, run.returncode)), False
 
 
@@ -157,12 +172,17 @@ class Bench:
             limits.append(self.limit())
             our_runs.append(lines_by_level(output_of([self.ours, *work.command(work.our_mesh)])))
             levels, too_slow = levels_of_peer([*command, "assess"] if not runs else command, environment)
-            runs.append(levels)
-            was_ended = was_ended or too_slow
+            if too_slow and runs:
+                our_runs.pop()
+                break
             if too_slow and (work.kind == "front" or max(levels, default=0) == 0):
                 raise Failed(f"not done after {PEER_SECONDS} s")
-            if not runs[0] or max(runs[0]) == 0:
+            if not levels or max(levels) == 0:
                 raise Failed("printed no level")
+            runs.append(levels)
+            was_ended = too_slow
+            if was_ended:
+                break
         limit = statistics.median(limits)
         return Pair(name, runs[0], medians(runs), medians(our_runs), limit, len(runs), load(), was_ended)
 

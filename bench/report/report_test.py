@@ -142,9 +142,20 @@ class SlowCodes(unittest.TestCase):
 
     def test_keep_the_levels_that_they_came_to(self):
         program = (
-            "import time\nprint('{\"level\": 1}', flush=True)\nprint('{\"lev', end='', flush=True)\ntime.sleep(60)"
+            "import time\nprint('{\"level\": 1}', flush=True)\nprint('{\"lev', end='', flush=True)\ntime.sleep(600)"
         )
-        self.assertEqual(self.levels(program, 2), ({1: {"level": 1}}, True))
+        self.assertEqual(self.levels(program, 15), ({1: {"level": 1}}, True))
+
+    def test_are_ended_with_what_they_have_started(self):
+        program = (
+            "import subprocess, sys, time\nprint('{\"level\": 1}', flush=True)\n"
+            "subprocess.run([sys.executable, '-c', 'import time; time.sleep(600)'])"
+        )
+        self.assertEqual(self.levels(program, 5)[1], True)  # its pipes would stay open for ten minutes
+
+    def test_that_cannot_be_started_have_failed(self):
+        with self.assertRaisesRegex(measure.Failed, "nowhere"):
+            measure.levels_of_peer(["/nowhere/python3"])
 
     def test_are_not_ended_in_time_and_fail_with_their_last_word(self):
         self.assertEqual(self.levels("print('{\"level\": 2}')", 60), ({2: {"level": 2}}, False))

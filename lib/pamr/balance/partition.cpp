@@ -129,14 +129,20 @@ class Chooser {
     return work_of_pass(b.quality, size()) < work_of_pass(a.quality, size()) ? std::move(b) : std::move(a);
   }
 
-  /// Scotch's parts; pieces of the curve where Scotch cannot make any, or where these meet what its own miss.
-  /// Runs of cells where the ranks hold such, which costs least, or pieces of the curve.
-  Choice first_choice() const {
-    if (mesh::cell_runs(comm_, mesh_).empty()) return curve();
+  bool are_even(const Choice& choice) const { return choice.quality.imbalance <= options_.keep_below; }
+
+  /// What costs least where the ranks hold runs of cells: runs; else pieces of the curve. The other one where these are
+  /// not good enough: runs that the ranks do not hold only where many cells share a place on the curve.
+  Choice without_scotch() const {
+    if (mesh::cell_runs(comm_, mesh_).empty()) {
+      auto pieces = curve();
+      return are_even(pieces) ? std::move(pieces) : better(blocks(), std::move(pieces));
+    }
     auto runs = blocks();
     return meets(runs.quality, options_) ? std::move(runs) : better(std::move(runs), curve());
   }
 
+  /// Scotch's parts; pieces of the curve where Scotch cannot make any, or where these meet what its own miss.
   Choice scotch() const {
     auto part = part_by_scotch(comm_, mesh_, weight_, n_parts_, options_);
     if (!part) return curve();
@@ -147,13 +153,12 @@ class Chooser {
   }
 
   Choice cheapest() const {
-    auto runs = first_choice();
-    const bool are_even = runs.quality.imbalance <= options_.keep_below;
-    if (are_even && options_.passes * work_of_pass(runs.quality, size()) <= work_with_scotch(size(), options_))
-      return runs;
+    auto cheap = without_scotch();
+    if (are_even(cheap) && options_.passes * work_of_pass(cheap.quality, size()) <= work_with_scotch(size(), options_))
+      return cheap;
     auto part = part_by_scotch(comm_, mesh_, weight_, n_parts_, options_);
-    if (!part) return runs;
-    return better(std::move(runs), measured(std::move(*part), Method::scotch));
+    if (!part) return cheap;
+    return better(std::move(cheap), measured(std::move(*part), Method::scotch));
   }
 
   Size size() const { return {mesh_.info.n_global_cells, n_parts_}; }

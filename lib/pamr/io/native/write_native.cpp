@@ -343,16 +343,24 @@ void fill(const Job& job, const PartialFile& partial, const OpenFile& open) {
   for (std::size_t i = 0; i < arrays.size(); ++i)
     targets.push_back({arrays[i], open.arrays[i].id(), open.transfer.id(), checksums[i]});
   Piece piece;  // its memory is taken once
+  std::uint64_t unflushed = 0;
+  const auto flush_after = [&](const ArrayPlan& plan) {
+    constexpr std::uint64_t enough = std::uint64_t{4} << 20U;
+    unflushed += bytes_of(plan);
+    if (unflushed < enough) return;
+    partial.begin_flush();
+    unflushed = 0;
+  };
   for (const auto& target : targets) {
     if (target.is_local()) continue;
     write_travelling(job, target, piece);
-    partial.begin_flush();
+    flush_after(target.plan);
   }
   par::agree(job.comm, [&] {
     for (const auto& target : targets) {
       if (!target.is_local()) continue;
       write_local(job, target, piece);
-      partial.begin_flush();
+      flush_after(target.plan);
     }
   });
   const auto values = Checksum::results(job.comm, checksums);

@@ -108,8 +108,7 @@ WritePlan::WritePlan(const par::Comm& comm, const mesh::DistMesh& mesh, int form
   if (!mesh.info.regions.empty()) add_regions();
   if (has_level0) add_level0(*mesh.info.level0);
   add_texts(provenance);
-  for (const auto& array : arrays)
-    data_bytes += static_cast<std::uint64_t>(array.shape.rows * array.shape.width) * hdf5::size_of(array.type);
+  for (const auto& array : arrays) data_bytes += bytes_of(array);
   for (const auto& text : texts)
     for (const auto& line : text.texts) data_bytes += line.size();
 }

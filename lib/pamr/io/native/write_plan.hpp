@@ -28,6 +28,11 @@ struct ArrayPlan {
   std::string unit = {};
 };
 
+/// Bytes of the dataset in the file.
+inline std::uint64_t bytes_of(const ArrayPlan& plan) {
+  return static_cast<std::uint64_t>(plan.shape.rows * plan.shape.width) * hdf5::size_of(plan.type);
+}
+
 /// A dataset of text to be written, the same on every rank: one text, or a list.
 struct TextPlan {
   std::string path;
