@@ -284,7 +284,11 @@ def adapt_rows(lines_of_ranks):
 def middle_lines(runs):
     """Of the lines of each step, one in each run, that with the middle compute: a first run fetches its memory from the
     host of a virtual machine."""
-    return [sorted(step, key=lambda line: float(ADAPT_LINE.search(line)[8]))[len(step) // 2] for step in zip(*runs, strict=True)]
+
+    def compute(line):
+        return float(ADAPT_LINE.search(line)[8])
+
+    return [sorted(step, key=compute)[len(step) // 2] for step in zip(*runs, strict=True)]
 
 
 def adapt_table(context):

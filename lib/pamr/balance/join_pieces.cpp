@@ -2,7 +2,7 @@
 #include "pamr/balance/join_pieces.hpp"
 
 #include <algorithm>
-#include <iterator>
+#include <numeric>
 
 #include "pamr/base/contract.hpp"
 #include "pamr/base/index.hpp"
@@ -26,12 +26,6 @@ void add_row(std::vector<RowRun>& runs, std::uint32_t piece, LocalId row) {
     ++runs.back().n;
   else
     runs.push_back({piece, row, 1});
-}
-
-std::size_t count_rows(const std::vector<RowRun>& runs) {
-  std::size_t n = 0;
-  for (const auto& run : runs) n += at(run.n);
-  return n;
 }
 
 /// The cells of all pieces that are here from now on, in ascending global order.
@@ -144,31 +138,21 @@ struct NewNumbers {
   std::vector<Gone> gone;
 };
 
-NewNumbers find_new_numbers(const std::vector<Piece>& pieces, const std::vector<RowRun>& order) {
+NewNumbers find_new_numbers(Rank here, const std::vector<Piece>& pieces, const std::vector<RowRun>& order) {
   NewNumbers numbers;
-  for (const auto& piece : pieces) reserve_array(numbers.of_cell.emplace_back(), piece.mesh.cell_to_cell.size());
-  const auto& first = pieces.front();
-  auto& stayed = numbers.of_cell.front();
-  const auto add_gone = [&](LocalId end) {
-    for (auto c = static_cast<LocalId>(stayed.size()); c < end; ++c) {
-      numbers.gone.push_back({first.destination[at(c)], first.mesh.cell_global[at(c)]});
-      stayed.push_back(-static_cast<LocalId>(numbers.gone.size()));
-    }
-  };
+  for (const auto& piece : pieces) assign_array(numbers.of_cell.emplace_back(), piece.mesh.cell_to_cell.size(), 0);
   LocalId next = 0;
-  for (const auto& run : order) {
-    auto& of_cell = numbers.of_cell[run.piece];
-    if (run.piece == 0)
-      add_gone(run.first);
-    else
-      of_cell.resize(std::max(of_cell.size(), at(run.first + run.n)));
-    for (LocalId i = 0; i < run.n; ++i, ++next)
-      if (run.piece == 0)
-        of_cell.push_back(next);
-      else
-        of_cell[at(run.first + i)] = next;
+  for (const auto& [piece, first, n] : order) {
+    const auto begin = numbers.of_cell[piece].begin() + first;
+    std::iota(begin, begin + n, next);
+    next += n;
   }
-  add_gone(static_cast<LocalId>(first.mesh.cell_to_cell.size()));
+  const auto& first = pieces.front();
+  for (LocalId c = 0; c < std::ssize(first.mesh.cell_to_cell); ++c) {
+    if (first.is_on(here, c)) continue;
+    numbers.gone.push_back({first.destination[at(c)], first.mesh.cell_global[at(c)]});
+    numbers.of_cell.front()[at(c)] = -static_cast<LocalId>(numbers.gone.size());
+  }
   return numbers;
 }
 
@@ -216,6 +200,12 @@ std::vector<mesh::RemoteFace> join_neighbors(Rank here, const std::vector<Piece>
 
 }  // namespace
 
+std::size_t count_rows(std::span<const RowRun> runs) {
+  std::size_t n = 0;
+  for (const auto& run : runs) n += at(run.n);
+  return n;
+}
+
 Joined join_pieces(Rank here, std::vector<Piece> pieces, std::vector<std::uint8_t>& cell_byte) {
   Joined joined;
   auto& [mesh, cells, nodes] = joined;
@@ -238,7 +228,7 @@ Joined join_pieces(Rank here, std::vector<Piece> pieces, std::vector<std::uint8_
       pieces, nodes, [](Piece & p) -> auto& { return p.mesh.node_global; });
   mesh.node_position = gather(
       pieces, nodes, [](Piece & p) -> auto& { return p.mesh.node_position; });
-  const auto numbers = find_new_numbers(pieces, cells);
+  const auto numbers = find_new_numbers(here, pieces, cells);
   mesh.cell_global = gather(
       pieces, cells, [](Piece & p) -> auto& { return p.mesh.cell_global; });
   mesh.lineage = gather(

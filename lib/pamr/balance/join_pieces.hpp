@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "pamr/balance/piece.hpp"
@@ -13,6 +15,8 @@ struct RowRun {
   std::uint32_t piece = 0;
   LocalId first = 0, n = 0;
 };
+
+std::size_t count_rows(std::span<const RowRun> runs);
 
 /// A mesh made of pieces, and where its rows come from: cells, nodes.
 struct Joined {

@@ -66,10 +66,8 @@ std::vector<T> exchange_rows(const par::Comm& comm, const std::vector<T>& values
 template <class T>
 std::vector<T> put_together(const std::vector<T>& own, const std::vector<T>& arrived, std::size_t width,
                             const std::vector<RowRun>& runs, const Shelves& shelves) {
-  std::size_t n_rows = 0;
-  for (const auto& run : runs) n_rows += at(run.n);
   std::vector<T> all;
-  reserve_array(all, n_rows * width);
+  reserve_array(all, count_rows(runs) * width);
   for (const auto& [piece, first, n] : runs) {
     const auto row = at(first) + (piece == 0 ? 0 : shelves.of_piece[piece - 1]);
     const auto* from = (piece == 0 ? own : arrived).data() + row * width;

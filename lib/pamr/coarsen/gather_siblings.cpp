@@ -2,6 +2,7 @@
 #include "pamr/coarsen/gather_siblings.hpp"
 
 #include <algorithm>
+#include <array>
 
 #include "pamr/base/index.hpp"
 #include "pamr/coarsen/octets.hpp"
@@ -33,45 +34,33 @@ bool continues_at(const mesh::DistMesh& mesh, LocalId c) {
   return c > 0 && c < mesh.n_cells() && mesh.cell_global[at(c)] == mesh.cell_global[at(c - 1)] + 1;
 }
 
-/// Whether the cells before and after this one say that its siblings cannot all be coarsened. If not, and they are not
-/// all here, the others may be on other ranks. Base cells that follow each other in number follow each other in the
-/// tree.
-bool may_be_elsewhere(const mesh::DistMesh& mesh, std::span<const std::int8_t> flags, LocalId first) {
-  const auto base = mesh.lineage[at(first)].base();
-  const auto is_sibling = [&](LocalId cell, int child) {
-    const auto other = mesh.lineage[at(cell)].base();
-    return other.depth() > 0 && other.child_number() == child && other.red_parent() == base.red_parent() &&
-           base_cell_may_go(mesh, flags, cell);
-  };
-  int child = base.child_number();
-  auto begin = first;
-  for (; child > 0 && continues_at(mesh, begin); --child) {
-    const auto before = mesh.lineage[at(begin - 1)];
-    begin -= before.is_removable() ? before.family_size() : 1;
-    if (!is_sibling(begin, child - 1)) return false;
-  }
-  const bool has_first = child == 0;
-  auto end = end_of_base_cell(mesh, first);
-  for (child = base.child_number(); child < 7 && continues_at(mesh, end); ++child) {
-    if (!is_sibling(end, child + 1)) return false;
-    end = end_of_base_cell(mesh, end);
-  }
-  return !has_first || child < 7;
-}
+/// Base cells of this rank that follow each other in number and in the tree: siblings, maybe not all.
+struct Siblings {
+  std::array<LocalId, 8> first{};
+  int n = 0;
+  LocalId end = 0;
+  bool may_go = true;         ///< all of them
+  bool may_continue = false;  ///< the cells before and after them do not say that the others are not siblings
+};
 
-/// Behind the eight siblings that begin with this cell, all of which may be coarsened; itself if they are not all here.
-LocalId end_of_siblings(const mesh::DistMesh& mesh, std::span<const std::int8_t> flags, LocalId first) {
-  const auto parent = mesh.lineage[at(first)].base().red_parent();
-  auto end = first;
-  for (int child = 0; child < 8; ++child) {
-    if (end == mesh.n_cells() || (child > 0 && !continues_at(mesh, end))) return first;
-    const auto base = mesh.lineage[at(end)].base();
-    if (base.depth() == 0 || base.child_number() != child || base.red_parent() != parent ||
-        !base_cell_may_go(mesh, flags, end))
-      return first;
-    end = end_of_base_cell(mesh, end);
-  }
-  return end;
+/// Those that begin with `first`, which has a parent.
+Siblings siblings_from(const mesh::DistMesh& mesh, std::span<const std::int8_t> flags, LocalId first) {
+  const auto base = mesh.lineage[at(first)].base();
+  Siblings siblings{.end = first};
+  const auto child = [&] { return base.child_number() + siblings.n; };
+  const auto is_next = [&](LocalId cell) {
+    if (!continues_at(mesh, cell)) return false;
+    const auto other = mesh.lineage[at(cell)].base();
+    return other.depth() > 0 && other.child_number() == child() && other.red_parent() == base.red_parent();
+  };
+  do {
+    siblings.may_go = siblings.may_go && base_cell_may_go(mesh, flags, siblings.end);
+    siblings.first[at(siblings.n++)] = siblings.end;
+    siblings.end = end_of_base_cell(mesh, siblings.end);
+  } while (child() < 8 && is_next(siblings.end));
+  siblings.may_continue =
+      (base.child_number() == 0 || !continues_at(mesh, first)) && (child() == 8 || !continues_at(mesh, siblings.end));
+  return siblings;
 }
 
 /// Those of this rank whose siblings are not all here, though they may be elsewhere.
@@ -80,15 +69,16 @@ std::vector<Lone> find_lone(const mesh::DistMesh& mesh, std::span<const std::int
   LocalId end = 0;
   for (LocalId c = 0; c < mesh.n_cells(); c = end) {
     end = end_of_base_cell(mesh, c);
-    const auto base = mesh.lineage[at(c)].base();
-    if (base.depth() == 0 || !base_cell_may_go(mesh, flags, c)) continue;
-    if (base.child_number() == 0)
-      if (const auto after = end_of_siblings(mesh, flags, c); after != c) {
-        end = after;
-        continue;
-      }
-    if (!may_be_elsewhere(mesh, flags, c)) continue;
-    lone.push_back({mesh.cell_global[at(c)], base.red_parent().bits(), end - c, base.child_number(), here, c});
+    if (mesh.lineage[at(c)].base().depth() == 0) continue;
+    const auto siblings = siblings_from(mesh, flags, c);
+    end = siblings.end;
+    if (siblings.n == 8 || !siblings.may_go || !siblings.may_continue) continue;
+    for (int i = 0; i < siblings.n; ++i) {
+      const auto first = siblings.first[at(i)];
+      const auto base = mesh.lineage[at(first)].base();
+      lone.push_back({mesh.cell_global[at(first)], base.red_parent().bits(), end_of_base_cell(mesh, first) - first,
+                      base.child_number(), here, first});
+    }
   }
   return lone;
 }
