@@ -3,7 +3,9 @@
 
 #include <array>
 #include <cstddef>
+#include <vector>
 
+#include "pamr/base/types.hpp"
 #include "pamr/geometry/tet_shape.hpp"
 #include "pamr/geometry/vec3.hpp"
 
@@ -30,6 +32,17 @@ inline constexpr std::array<std::array<double, 4>, 20> sample_points = detail::m
 
 /// The derivatives of a residual at each of `sample_points`, to be added to those of the map.
 using SampledRows = std::array<JacobianRows, sample_points.size()>;
+
+/// The residuals of some cells: 1,440 bytes for each that has one.
+struct SampledWalls {
+  std::vector<SampledRows> rows;
+  std::vector<LocalId> cell_to_rows;  ///< of each cell the place there, -1: it has none; empty: no cell has one
+
+  const SampledRows* of(std::size_t cell) const {
+    const auto place = cell_to_rows.empty() ? -1 : cell_to_rows[cell];
+    return place < 0 ? nullptr : &rows[static_cast<std::size_t>(place)];
+  }
+};
 
 /// Bulges of a cell's edges, in the order of mesh/tet.hpp: the displacements of their middles, length units.
 using CellBulges = std::array<geometry::Vec3, 6>;

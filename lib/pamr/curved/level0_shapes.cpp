@@ -44,10 +44,43 @@ geometry::QuadraticTet quadratic_part(const mesh::Level0Cell& row) {
   return tet;
 }
 
-/// The tetrahedron that the Jacobian at a point makes of the reference tetrahedron, walls included.
-geometry::TetPoints image_of_jacobian(const mesh::Level0Map& map, LocalId cell, const std::array<double, 4>& l) {
-  const auto& row = map.cells()[at(cell)];
-  auto image = residual_rows(map, cell, l);
+/// The share of the walls in the Jacobian at a point of a cell.
+JacobianRows residual_rows(const mesh::Level0Map& map, LocalId cell, const std::array<double, 4>& weight) {
+  constexpr double step = 1e-5;
+  const auto corner = at(std::find(weight.begin(), weight.end(), 1.0) - weight.begin());
+  if (corner < 4) {  // along its edges: walls may end there
+    std::array<Vec3, 4> slope{};
+    for (std::size_t i = 0; i < 4; ++i) {
+      const auto residual = [&](double share) {
+        auto place = weight;
+        place[i] = share;
+        place[corner] = 1 - share;
+        return map.wall_residual(cell, place);
+      };
+      // not from the corner itself: a node of level 0 that is off its wall makes a step there
+      if (i != corner) slope[i] = (0.5 / step) * (8 * residual(2 * step) - 5 * residual(step) - 3 * residual(3 * step));
+    }
+    return {slope[1] - slope[0], slope[2] - slope[0], slope[3] - slope[0]};
+  }
+  const double inward = map.has_wall_that_ends(cell) ? 1e-3 : 0;  // so that both steps lie inside
+  JacobianRows rows{};
+  auto here = weight;
+  for (auto& w : here) w += inward * (0.25 - w);
+  for (std::size_t i = 0; i < 3; ++i) {
+    auto ahead = here, behind = here;
+    ahead[i + 1] += step;
+    ahead[0] -= step;
+    behind[i + 1] -= step;
+    behind[0] += step;
+    rows[i] = (0.5 / step) * (map.wall_residual(cell, ahead) - map.wall_residual(cell, behind));
+  }
+  return rows;
+}
+
+/// The tetrahedron that the Jacobian at a sample point makes of the reference tetrahedron, walls included.
+geometry::TetPoints image_of_jacobian(const mesh::Level0Cell& row, const SampledRows* walls, std::size_t q) {
+  const auto& l = sample_points[q];
+  auto image = walls != nullptr ? (*walls)[q] : JacobianRows{};
   for (std::size_t k = 0; k < 3; ++k) image[k] += row.corner[k + 1] - row.corner[0];
   for (std::size_t e = 0; e < 6; ++e) {
     const auto [i, j] = edge_to_corner[e];
@@ -151,12 +184,12 @@ mesh::WorstPlace over_all_levels(const std::array<mesh::WorstPlace, n_levels + 1
 }
 
 /// The images at the sample points of a cell, of which the worst is added.
-std::array<geometry::TetPoints, sample_points.size()> sample(const mesh::Level0Map& map, LocalId cell,
+std::array<geometry::TetPoints, sample_points.size()> sample(const mesh::Level0Cell& row, const SampledRows* walls,
                                                              mesh::WorstPlaces& worst) {
   std::array<geometry::TetPoints, sample_points.size()> image;
-  const auto tet = quadratic_part(map.cells()[at(cell)]);
+  const auto tet = quadratic_part(row);
   for (std::size_t q = 0; q < image.size(); ++q) {
-    image[q] = image_of_jacobian(map, cell, sample_points[q]);
+    image[q] = image_of_jacobian(row, walls, q);
     worst.add(geometry::mean_ratio(image[q]), geometry::point_at(tet, sample_points[q]));
   }
   return image;
@@ -164,59 +197,39 @@ std::array<geometry::TetPoints, sample_points.size()> sample(const mesh::Level0M
 
 }  // namespace
 
-JacobianRows residual_rows(const mesh::Level0Map& map, LocalId cell, const std::array<double, 4>& weight) {
-  constexpr double step = 1e-5;
-  JacobianRows rows{};
-  const auto& patch = map.cells()[at(cell)].edge_patch;
-  if (std::all_of(patch.begin(), patch.end(), [](const auto& p) { return p[0] < 0; })) return rows;
-  const auto corner = at(std::find(weight.begin(), weight.end(), 1.0) - weight.begin());
-  if (corner < 4) {  // along its edges: walls may end there
-    std::array<Vec3, 4> slope{};
-    for (std::size_t i = 0; i < 4; ++i) {
-      const auto residual = [&](double share) {
-        auto place = weight;
-        place[i] = share;
-        place[corner] = 1 - share;
-        return map.wall_residual(cell, place);
-      };
-      // not from the corner itself: a node of level 0 that is off its wall makes a step there
-      if (i != corner) slope[i] = (0.5 / step) * (8 * residual(2 * step) - 5 * residual(step) - 3 * residual(3 * step));
-    }
-    return {slope[1] - slope[0], slope[2] - slope[0], slope[3] - slope[0]};
-  }
-  const double inward = map.has_wall_that_ends(cell) ? 1e-3 : 0;  // so that both steps lie inside
-  auto here = weight;
-  for (auto& w : here) w += inward * (0.25 - w);
-  for (std::size_t i = 0; i < 3; ++i) {
-    auto ahead = here, behind = here;
-    ahead[i + 1] += step;
-    ahead[0] -= step;
-    behind[i + 1] -= step;
-    behind[0] += step;
-    rows[i] = (0.5 / step) * (map.wall_residual(cell, ahead) - map.wall_residual(cell, behind));
-  }
-  return rows;
-}
-
 double smallest_child(const mesh::Level0Map& map, LocalId cell) {
   const auto worst = Splitter(map, cell, 1).worst();
   return std::min(worst[0].value, worst[1].value);
 }
 
-mesh::WorstPlace sampled_jacobian(const par::Comm& comm, const mesh::Level0Map& map) {
+SampledWalls sample_walls(const mesh::Level0Map& map) {
+  SampledWalls walls;
+  for (const auto& cell : map.cells()) {
+    const auto& patch = cell.edge_patch;
+    const bool has_any = std::any_of(patch.begin(), patch.end(), [](const auto& p) { return p[0] >= 0; });
+    const auto row = static_cast<LocalId>(walls.cell_to_rows.size());
+    walls.cell_to_rows.push_back(has_any ? static_cast<LocalId>(walls.rows.size()) : -1);
+    if (!has_any) continue;
+    auto& rows = walls.rows.emplace_back();
+    for (std::size_t q = 0; q < rows.size(); ++q) rows[q] = residual_rows(map, row, sample_points[q]);
+  }
+  return walls;
+}
+
+mesh::WorstPlace sampled_jacobian(const par::Comm& comm, const mesh::Level0Map& map, const SampledWalls& walls) {
   mesh::WorstPlaces worst;
-  for (std::size_t c = 0; c < map.cells().size(); ++c) sample(map, static_cast<LocalId>(c), worst);
+  for (std::size_t c = 0; c < map.cells().size(); ++c) sample(map.cells()[c], walls.of(c), worst);
   return worst.over(comm);
 }
 
-Level0Shapes level0_shapes(const par::Comm& comm, const mesh::Level0Map& map) {
+Level0Shapes level0_shapes(const par::Comm& comm, const mesh::Level0Map& map, const SampledWalls& walls) {
   mesh::WorstPlaces determinant, mean_ratio, all_splits;
   mesh::WorstPlaces sampled;
   std::array<mesh::WorstPlaces, n_levels + 1> split;
   for (std::size_t c = 0; c < map.cells().size(); ++c) {
     const auto& row = map.cells()[c];
     const auto tet = quadratic_part(row);
-    const auto image = sample(map, static_cast<LocalId>(c), sampled);
+    const auto image = sample(row, walls.of(c), sampled);
     const auto bounds = geometry::bound_map(tet);
     determinant.add(bounds.determinant.value / std::abs(6 * geometry::volume(row.corner)),
                     geometry::point_at(tet, bounds.determinant.near));

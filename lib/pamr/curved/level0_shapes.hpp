@@ -11,15 +11,16 @@
 
 namespace pamr::curved {
 
-/// The share of the curved walls in the Jacobian of the map in a bent cell (index in `map`), by differences of the
-/// residual. Local.
-JacobianRows residual_rows(const mesh::Level0Map& map, LocalId cell, const std::array<double, 4>& weight);
+/// The share of the curved walls in the Jacobian of the map at the sample points of its bent cells, by differences of the
+/// residual. The bulges of edges that lie in no curved wall do not change it. Local. Cost: most of what a map takes,
+/// some 10 us for each edge and face in a wall.
+SampledWalls sample_walls(const mesh::Level0Map& map);
 
 /// Smallest mean ratio of a bent cell and of the eight cells that it is split into. Local. Cost: some microseconds.
 double smallest_child(const mesh::Level0Map& map, LocalId cell);
 
-/// Smallest mean ratio of the Jacobian of the map at `sample_points` of all bent cells, walls included. Collective.
-mesh::WorstPlace sampled_jacobian(const par::Comm& comm, const mesh::Level0Map& map);
+/// Smallest mean ratio of the Jacobian of the map at `sample_points` of all bent cells. `walls`: of the map. Collective.
+mesh::WorstPlace sampled_jacobian(const par::Comm& comm, const mesh::Level0Map& map, const SampledWalls& walls);
 
 /// The shapes that a map of level 0 makes, before anything is split; the same on any number of ranks.
 struct Level0Shapes {
@@ -38,8 +39,11 @@ struct Level0Shapes {
   mesh::WorstPlace all_splits;
 };
 
-/// Collective: some thirty reductions. Cost: about 0.1 ms for each bent cell, whatever the mesh has become.
-/// Source: docs/coarse-walls.md.
-Level0Shapes level0_shapes(const par::Comm& comm, const mesh::Level0Map& map);
+/// `walls`: of the map. Collective: some thirty reductions. Cost: about 0.1 ms for each bent cell, whatever the mesh has
+/// become. Source: docs/coarse-walls.md.
+Level0Shapes level0_shapes(const par::Comm& comm, const mesh::Level0Map& map, const SampledWalls& walls);
+inline Level0Shapes level0_shapes(const par::Comm& comm, const mesh::Level0Map& map) {
+  return level0_shapes(comm, map, sample_walls(map));
+}
 
 }  // namespace pamr::curved

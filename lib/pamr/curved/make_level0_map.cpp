@@ -246,25 +246,8 @@ BentCells find_bent_cells(const Level0& level0) {
   return bent;
 }
 
-/// The share of the curved walls in the Jacobian of a cell.
-SampledRows residual_of(const mesh::Level0Map& map, LocalId cell) {
-  SampledRows residual{};
-  for (std::size_t q = 0; q < sample_points.size(); ++q) residual[q] = residual_rows(map, cell, sample_points[q]);
-  return residual;
-}
-
-void add_residuals(const mesh::Level0Map& straight_inside, BulgeZone& zone) {
-  for (const auto& cell : straight_inside.cells()) {
-    const auto& patch = cell.edge_patch;
-    const bool has_any = std::any_of(patch.begin(), patch.end(), [](const auto& p) { return p[0] >= 0; });
-    const auto row = static_cast<LocalId>(zone.cell_to_residual.size());
-    zone.cell_to_residual.push_back(has_any ? static_cast<LocalId>(zone.residual.size()) : -1);
-    if (has_any) zone.residual.push_back(residual_of(straight_inside, row));
-  }
-}
-
-/// Finds the bulges of free edges. Collective.
-Bulges find_bulges(const Level0& level0, const BentCells& bent, refine::Bend bend) {
+/// Bent cells whose free edges are straight. Collective.
+BulgeZone make_zone(const Level0& level0, const BentCells& bent, SampledWalls walls, refine::Bend bend) {
   const auto& numbering = level0.nodes.numbering;
   std::vector<std::uint8_t> is_interface(level0.n_edges(), 0);
   for (const auto node : refine::interface_nodes(level0.comm, level0.mesh, numbering, level0.nodes.placed.shared))
@@ -272,7 +255,7 @@ Bulges find_bulges(const Level0& level0, const BentCells& bent, refine::Bend ben
   BulgeZone zone;
   zone.bends_straight_cells = bend == refine::Bend::all;
   for (const auto& row : bent.row) zone.corner.push_back(row.corner);
-  add_residuals(mesh::Level0Map(bent.row, bent.n_global, level0.nodes.info), zone);
+  zone.walls = std::move(walls);
   zone.cell_to_edge = bent.edge;
   zone.bulge = level0.bulge;
   const auto& shared = level0.nodes.placed.shared;
@@ -280,7 +263,7 @@ Bulges find_bulges(const Level0& level0, const BentCells& bent, refine::Bend ben
   zone.shared = par::restricted(
       shared, [&](std::size_t k) { return shared.item[k] < n_nodes ? invalid_local : shared.item[k] - n_nodes; });
   zone.freedom = find_freedom(level0, is_interface, zone.shared);
-  return optimize_bulges(level0.comm, zone);
+  return zone;
 }
 
 bool has_bent_node_off_surface(const Level0& level0) {
@@ -349,8 +332,10 @@ Level0Report make_level0_map(const par::Comm& comm, mesh::DistMesh& mesh, refine
   }
   auto bent = find_bent_cells(level0);
   report.n_bent_cells = bent.n_global;
-  report.smallest_before = sampled_jacobian(comm, mesh::Level0Map(bent.row, bent.n_global, level0.nodes.info)).value;
-  const auto found = find_bulges(level0, bent, bend);
+  const mesh::Level0Map straight_inside(bent.row, bent.n_global, level0.nodes.info);
+  const auto zone = make_zone(level0, bent, sample_walls(straight_inside), bend);
+  report.smallest_before = sampled_jacobian(comm, straight_inside, zone.walls).value;
+  const auto found = optimize_bulges(comm, zone);
   report.iterations = found.iterations;
   for (std::size_t i = 0; i < bent.row.size(); ++i)
     for (std::size_t e = 0; e < 6; ++e) bent.row[i].bulge[e] = found.bulge[at(bent.edge[i][e])];
@@ -358,7 +343,7 @@ Level0Report make_level0_map(const par::Comm& comm, mesh::DistMesh& mesh, refine
   add_fields(level0, bent, mesh);
   mesh.info = std::move(level0.nodes.info);
   mesh.info.level0 = std::make_shared<const mesh::Level0Map>(std::move(bent.row), bent.n_global, mesh.info);
-  report.shapes = level0_shapes(comm, *mesh.info.level0);
+  report.shapes = level0_shapes(comm, *mesh.info.level0, zone.walls);
   report.smallest = report.shapes.sampled.value;
   if (const auto trouble = trouble_of(report); !trouble.empty()) report.trouble = because(trouble);
   return report;

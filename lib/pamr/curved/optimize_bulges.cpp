@@ -37,11 +37,6 @@ struct Stage {
 constexpr std::array<Stage, 5> stages{
     {{{1, 1}, 0.3}, {{0.2, 1}, 0.3}, {{0.03, 1}, 0.3}, {{1e-3, 2}, 0.3}, {{1e-3, 3}, 1e-2}}};
 
-const SampledRows* residual_of(const BulgeZone& zone, std::size_t c) {
-  const auto place = zone.cell_to_residual.empty() ? -1 : zone.cell_to_residual[c];
-  return place < 0 ? nullptr : &zone.residual[at(place)];
-}
-
 struct Problem {
   const BulgeZone& zone;
   par::Exchange exchange;
@@ -57,7 +52,7 @@ struct Problem {
     for (std::size_t e = 0; e < 6; ++e) result[e] = of_edge[at(zone.cell_to_edge[c][e])];
     return result;
   }
-  const SampledRows* residual(std::size_t c) const { return residual_of(zone, c); }
+  const SampledRows* residual(std::size_t c) const { return zone.walls.of(c); }
 };
 
 /// The part of a vector that an edge's freedom allows; exact along axes and in planes across them.
@@ -82,7 +77,7 @@ void check_values(const BulgeZone& zone, const std::vector<StraightCell>& cell) 
     if (!(cell[c].mean_ratio >= min_mean_ratio) || !std::isfinite(cell[c].inverse_determinant))
       throw Error(fmt::format("curved walls: expected cells with a volume, found mean ratio {:.3g} at ({}, {}, {})",
                               cell[c].mean_ratio, p.x, p.y, p.z));
-    const auto* residual = residual_of(zone, c);
+    const auto* residual = zone.walls.of(c);
     const bool is_residual_finite =
         residual == nullptr || std::all_of(residual->begin(), residual->end(), [](const auto& rows) {
           return std::all_of(rows.begin(), rows.end(), geometry::is_finite);
@@ -100,7 +95,7 @@ void check_values(const BulgeZone& zone, const std::vector<StraightCell>& cell) 
 bool is_curved(const par::Comm& comm, const BulgeZone& zone) {
   const auto is_nonzero = [](Vec3 v) { return !(v == Vec3{}); };
   bool here = std::any_of(zone.bulge.begin(), zone.bulge.end(), is_nonzero);
-  for (const auto& cell : zone.residual)
+  for (const auto& cell : zone.walls.rows)
     for (const auto& rows : cell) here = here || std::any_of(rows.begin(), rows.end(), is_nonzero);
   return comm.any(here);
 }
@@ -315,7 +310,7 @@ int minimize(const par::Comm& comm, const Problem& problem, const Stage& stage, 
 Bulges optimize_bulges(const par::Comm& comm, const BulgeZone& zone) {
   const auto n_cells = zone.corner.size();
   PAMR_EXPECTS(zone.cell_to_edge.size() == n_cells);
-  PAMR_EXPECTS(zone.cell_to_residual.empty() || zone.cell_to_residual.size() == n_cells);
+  PAMR_EXPECTS(zone.walls.cell_to_rows.empty() || zone.walls.cell_to_rows.size() == n_cells);
   PAMR_EXPECTS(zone.freedom.size() == zone.bulge.size());
   Problem problem{zone, par::Exchange(comm, zone.shared), {}, {}, {}};
   for (const auto& corner : zone.corner) problem.cell.push_back(prepare(corner));

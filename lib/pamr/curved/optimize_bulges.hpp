@@ -30,10 +30,8 @@ struct BulgeZone {
   /// Of each edge, the displacement of its middle, which has no sign: given on walls, start values elsewhere.
   std::vector<geometry::Vec3> bulge;
   std::vector<Freedom> freedom;  ///< of each edge
-  /// What walls add to the derivatives of the quadratic map of a cell, for its corners in the order of `corner`, and of
-  /// each cell the place there, -1: nothing. Both empty if nothing.
-  std::vector<SampledRows> residual;
-  std::vector<LocalId> cell_to_residual;
+  /// What walls add to the derivatives of the quadratic map of a cell, for its corners in the order of `corner`.
+  SampledWalls walls;
   par::Pattern shared;                ///< edges that other ranks hold too: with the same bulge and freedom
   bool bends_straight_cells = false;  ///< free edges may bend although no wall does
 };

@@ -158,8 +158,8 @@ curved::BulgeZone shell_zone() {
   for (std::size_t c = 0; c < zone.corner.size(); ++c) {
     CellBulges bulge;
     for (std::size_t e = 0; e < 6; ++e) bulge[e] = zone.bulge[at(zone.cell_to_edge[c][e])];
-    zone.cell_to_residual.push_back(static_cast<LocalId>(zone.residual.size()));
-    zone.residual.push_back(differentiate_residual(zone.corner[c], bulge));
+    zone.walls.cell_to_rows.push_back(static_cast<LocalId>(zone.walls.rows.size()));
+    zone.walls.rows.push_back(differentiate_residual(zone.corner[c], bulge));
   }
   return zone;
 }
@@ -179,9 +179,9 @@ PartOfZone part_of(const par::Comm& comm, const curved::BulgeZone& whole, std::u
     if (owner != at(comm.rank())) continue;
     part.zone.corner.push_back(whole.corner[c]);
     part.zone.cell_to_edge.push_back(whole.cell_to_edge[c]);
-    if (whole.residual.empty()) continue;
-    part.zone.cell_to_residual.push_back(static_cast<LocalId>(part.zone.residual.size()));
-    part.zone.residual.push_back(whole.residual[at(whole.cell_to_residual[c])]);
+    if (whole.walls.rows.empty()) continue;
+    part.zone.walls.cell_to_rows.push_back(static_cast<LocalId>(part.zone.walls.rows.size()));
+    part.zone.walls.rows.push_back(whole.walls.rows[at(whole.walls.cell_to_rows[c])]);
   }
   std::vector<LocalId> here(edges.size(), -1);
   for (const auto e : edges) {

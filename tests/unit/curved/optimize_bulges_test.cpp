@@ -130,12 +130,12 @@ TEST(OptimizeBulges, RefusesFlatCellsAndWildValuesOnEveryRank) {
             }).find("expected cells with a volume, found mean ratio"),
             std::string::npos);
   EXPECT_NE(error_with([](BulgeZone& zone) {
-              zone.residual[3][7][2].y = std::numeric_limits<double>::infinity();
+              zone.walls.rows[3][7][2].y = std::numeric_limits<double>::infinity();
             }).find("expected finite derivatives"),
             std::string::npos);
   EXPECT_NE(error_with([](BulgeZone& zone) { zone.bulge[3].x = std::nan(""); }).find("expected finite bulges"),
             std::string::npos);
-  EXPECT_NE(error_with([](BulgeZone& zone) { zone.residual[3][7][2].y = 1e100; }).find("overflow"), std::string::npos);
+  EXPECT_NE(error_with([](BulgeZone& zone) { zone.walls.rows[3][7][2].y = 1e100; }).find("overflow"), std::string::npos);
 }
 
 }  // namespace optimize_bulges_test
