@@ -45,7 +45,8 @@ geometry::QuadraticTet quadratic_part(const mesh::Level0Cell& row) {
 }
 
 /// The share of the walls in the Jacobian at a point of a cell.
-JacobianRows residual_rows(const mesh::Level0Map& map, LocalId cell, const std::array<double, 4>& weight) {
+JacobianRows residual_rows(const mesh::Level0Map& map, LocalId cell, const std::array<double, 4>& weight,
+                           mesh::KnownSteps& known) {
   constexpr double step = 1e-5;
   const auto corner = at(std::find(weight.begin(), weight.end(), 1.0) - weight.begin());
   if (corner < 4) {  // along its edges: walls may end there
@@ -55,7 +56,7 @@ JacobianRows residual_rows(const mesh::Level0Map& map, LocalId cell, const std::
         auto place = weight;
         place[i] = share;
         place[corner] = 1 - share;
-        return map.wall_residual(cell, place);
+        return map.wall_residual(cell, place, &known);
       };
       // not from the corner itself: a node of level 0 that is off its wall makes a step there
       if (i != corner) slope[i] = (0.5 / step) * (8 * residual(2 * step) - 5 * residual(step) - 3 * residual(3 * step));
@@ -72,7 +73,7 @@ JacobianRows residual_rows(const mesh::Level0Map& map, LocalId cell, const std::
     ahead[0] -= step;
     behind[i + 1] -= step;
     behind[0] += step;
-    rows[i] = (0.5 / step) * (map.wall_residual(cell, ahead) - map.wall_residual(cell, behind));
+    rows[i] = (0.5 / step) * (map.wall_residual(cell, ahead, &known) - map.wall_residual(cell, behind, &known));
   }
   return rows;
 }
@@ -107,6 +108,7 @@ class Splitter {
     }
     add(points, 0);
     split(corner, 1);
+    for (auto& worst : worst_) worst.value = std::cbrt(worst.value);
   }
 
   /// Smallest mean ratio of each level, with the centroid of its cell.
@@ -117,8 +119,8 @@ class Splitter {
 
   void add(const geometry::TetPoints& p, int level) {
     auto& worst = worst_[at(level)];
-    const double ratio = std::cbrt(15552 * refine::shape(p));
-    if (ratio < worst.value) worst = {ratio, geometry::centroid(p)};
+    const double cubed = refine::cube_of_shape * refine::shape(p);
+    if (cubed < worst.value) worst = {cubed, geometry::centroid(p)};
   }
 
   void split(const std::array<Weights, 4>& corner, int level) {
@@ -147,7 +149,7 @@ class Splitter {
     return point_[place];
   }
 
-  Vec3 find_point(const Weights& w) const {
+  Vec3 find_point(const Weights& w) {
     mesh::CornerWeights weight{};
     Vec3 straight;
     for (std::size_t i = 0; i < 4; ++i) {
@@ -155,7 +157,7 @@ class Splitter {
       weight[i] = std::int64_t{w[i]} << (mesh::Level0Key::one - n_levels);
       straight += (1.0 / n_parts * w[i]) * row_->corner[i];
     }
-    const auto placed = map_->place(cell_, weight);
+    const auto placed = map_->place(cell_, weight, &known_);
     return placed ? placed->point : straight;  // edges and faces that are not bent are straight
   }
 
@@ -165,7 +167,8 @@ class Splitter {
   int last_level_;
   std::array<Vec3, size> point_;  // left as they are until known
   std::bitset<size> is_known_;
-  std::array<mesh::WorstPlace, n_levels + 1> worst_;
+  mesh::KnownSteps known_;
+  std::array<mesh::WorstPlace, n_levels + 1> worst_;  ///< the third power of the ratio until the last is known
 };
 
 /// The smallest at all levels.
@@ -211,7 +214,8 @@ SampledWalls sample_walls(const mesh::Level0Map& map) {
     walls.cell_to_rows.push_back(has_any ? static_cast<LocalId>(walls.rows.size()) : -1);
     if (!has_any) continue;
     auto& rows = walls.rows.emplace_back();
-    for (std::size_t q = 0; q < rows.size(); ++q) rows[q] = residual_rows(map, row, sample_points[q]);
+    mesh::KnownSteps known;
+    for (std::size_t q = 0; q < rows.size(); ++q) rows[q] = residual_rows(map, row, sample_points[q], known);
   }
   return walls;
 }

@@ -178,8 +178,9 @@ bool Level0Map::is_bent(LocalId cell, const CornerWeights& weight) const {
   return false;
 }
 
-Mapped Level0Map::onto_face(LocalId cell, int face, const std::array<double, 4>& weight, Vec3 from) const {
-  const auto projected = walls_[at(cell)].face[at(face)]->place(from + bounds_residual(cell, face, weight));
+Mapped Level0Map::onto_face(LocalId cell, int face, const std::array<double, 4>& weight, Vec3 from,
+                            KnownSteps* known) const {
+  const auto projected = walls_[at(cell)].face[at(face)]->place(from + bounds_residual(cell, face, weight, known));
   Mapped mapped{projected.converged ? projected.point : from};
   mapped.patch[0] = cells_[at(cell)].face_patch[at(face)];
   mapped.is_reachable = projected.converged;
@@ -217,8 +218,16 @@ Mapped Level0Map::onto_edge(LocalId cell, int edge, Vec3 from) const {
   return mapped;
 }
 
-Vec3 Level0Map::bounds_residual(LocalId cell, int face, const std::array<double, 4>& weight) const {
-  const auto& row = cells_[at(cell)];
+Vec3 Level0Map::edge_step(LocalId cell, int edge, const std::array<double, 4>& weight, KnownSteps* known) const {
+  const auto find = [&] {
+    const auto from = quadratic(cells_[at(cell)], walls_[at(cell)].bulges, place_of(weight));
+    return onto_edge(cell, edge, from).point - from;
+  };
+  const auto [a, b] = edge_to_corner[at(edge)];
+  return known == nullptr ? find() : known->of(edge, {weight[at(a)], weight[at(b)]}, find);
+}
+
+Vec3 Level0Map::bounds_residual(LocalId cell, int face, const std::array<double, 4>& weight, KnownSteps* known) const {
   const auto& walls = walls_[at(cell)];
   Vec3 wanted{};
   if (walls.ends == 0) return wanted;
@@ -227,13 +236,12 @@ Vec3 Level0Map::bounds_residual(LocalId cell, int face, const std::array<double,
     const int e = std::countr_zero(rest);
     const auto part = part_of(here, corners_of_edge(at(e)));
     if (!(part.share > 0)) continue;
-    const auto from = quadratic(row, walls.bulges, part.place);
-    wanted = wanted + (part.share * part.share) * (onto_edge(cell, e, from).point - from);
+    wanted = wanted + (part.share * part.share) * edge_step(cell, e, part.place.weight, known);
   }
   return wanted;
 }
 
-Vec3 Level0Map::wall_residual(LocalId cell, const std::array<double, 4>& weight) const {
+Vec3 Level0Map::wall_residual(LocalId cell, const std::array<double, 4>& weight, KnownSteps* known) const {
   const auto& row = cells_[at(cell)];
   const auto& walls = walls_[at(cell)];
   if ((walls.faces | walls.edges) == 0) return {};
@@ -246,7 +254,7 @@ Vec3 Level0Map::wall_residual(LocalId cell, const std::array<double, 4>& weight)
     const auto part = part_of(here, corners_of_face(k));
     if (!(part.share > 0)) continue;  // only outside of the cell
     const auto from = quadratic(row, walls.bulges, part.place);
-    add(part.share * part.share, onto_face(cell, static_cast<int>(k), part.place.weight, from).point - from);
+    add(part.share * part.share, onto_face(cell, static_cast<int>(k), part.place.weight, from, known).point - from);
   }
   for (auto rest = walls.edges & within[here.support].edges; rest != 0; rest &= rest - 1) {
     const int e = std::countr_zero(rest);
@@ -255,13 +263,12 @@ Vec3 Level0Map::wall_residual(LocalId cell, const std::array<double, 4>& weight)
     if (n_faces == 1) continue;
     const auto part = part_of(here, corners_of_edge(at(e)));
     if (!(part.share > 0)) continue;
-    const auto from = quadratic(row, walls.bulges, part.place);
-    add((1 - n_faces) * (part.share * part.share), onto_edge(cell, e, from).point - from);
+    add((1 - n_faces) * (part.share * part.share), edge_step(cell, e, part.place.weight, known));
   }
   return wanted;
 }
 
-std::optional<Mapped> Level0Map::place(LocalId cell, const CornerWeights& weight) const {
+std::optional<Mapped> Level0Map::place(LocalId cell, const CornerWeights& weight, KnownSteps* known) const {
   constexpr double unit = 1.0 / (std::int64_t{1} << Level0Key::one);
   const auto& row = cells_[at(cell)];
   const auto& walls = walls_[at(cell)];
@@ -278,8 +285,8 @@ std::optional<Mapped> Level0Map::place(LocalId cell, const CornerWeights& weight
   if (const auto edge = walls.edges & within[here.support].edges; n_corners == 2 && edge != 0)
     return onto_edge(cell, std::countr_zero(edge), point);
   if (const auto face = walls.faces & within[here.support].faces; n_corners == 3 && face != 0)
-    return onto_face(cell, std::countr_zero(face), here.weight, point);
-  return Mapped{point + wall_residual(cell, here.weight)};
+    return onto_face(cell, std::countr_zero(face), here.weight, point, known);
+  return Mapped{point + wall_residual(cell, here.weight, known)};
 }
 
 void send_level0_rows(const par::Comm& comm, DistMesh& mesh) {

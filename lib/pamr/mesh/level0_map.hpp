@@ -62,6 +62,27 @@ constexpr CornerWeights middle(const CornerWeights& a, const CornerWeights& b) {
   return any_a == 0 || any_b == 0 || is_odd != 0 ? CornerWeights{} : mid;
 }
 
+/// Steps onto the curved edges of one cell, as they were found: many places in a cell lie beside the same place of an
+/// edge. Empty for another cell.
+class KnownSteps {
+ public:
+  /// The step at these weights of the edge's corners; what `find` returns becomes it where it is not known.
+  template <class Find>
+  geometry::Vec3 of(int edge, const std::array<double, 2>& weight, const Find& find) {
+    auto& steps = steps_[at(edge)];
+    for (const auto& step : steps)
+      if (step.weight == weight) return step.length;
+    return steps.emplace_back(weight, find()).length;
+  }
+
+ private:
+  struct Step {
+    std::array<double, 2> weight;
+    geometry::Vec3 length;
+  };
+  std::array<std::vector<Step>, 6> steps_;
+};
+
 /// A map of level 0 that puts new nodes near coarse curved walls: the rows of the level-0 cells that this rank's cells
 /// descend from, with the surfaces that they name. Shared unchanged. Source: docs/level0-map.md, which states the
 /// formulas and the order of all sums.
@@ -84,9 +105,10 @@ class Level0Map {
   /// Whether one of the level-0 nodes of a place is bent.
   bool is_bent(LocalId cell, const CornerWeights& weight) const;
   /// Where a node belongs that is no node of level 0. Nothing where the map changes nothing: its support is not bent.
-  std::optional<Mapped> place(LocalId cell, const CornerWeights& weight) const;
+  /// `known`: of this cell, if many places of it are asked for.
+  std::optional<Mapped> place(LocalId cell, const CornerWeights& weight, KnownSteps* known = nullptr) const;
   /// The displacement by the curved walls of a cell beyond the quadratic map at these barycentric coordinates: R in the page.
-  geometry::Vec3 wall_residual(LocalId cell, const std::array<double, 4>& weight) const;
+  geometry::Vec3 wall_residual(LocalId cell, const std::array<double, 4>& weight, KnownSteps* known) const;
   /// Whether a wall may end at an edge of the cell: there the residual has derivatives to one side only.
   bool has_wall_that_ends(LocalId cell) const { return walls_[at(cell)].may_end; }
 
@@ -100,9 +122,12 @@ class Level0Map {
   };
   Mapped onto_edge(LocalId cell, int edge, geometry::Vec3 from) const;
   /// `from`: the quadratic map at these barycentric coordinates.
-  Mapped onto_face(LocalId cell, int face, const std::array<double, 4>& weight, geometry::Vec3 from) const;
+  Mapped onto_face(LocalId cell, int face, const std::array<double, 4>& weight, geometry::Vec3 from,
+                   KnownSteps* known) const;
   /// The displacement by the curves that bound a face in a wall, beyond the quadratic map: C in the page.
-  geometry::Vec3 bounds_residual(LocalId cell, int face, const std::array<double, 4>& weight) const;
+  geometry::Vec3 bounds_residual(LocalId cell, int face, const std::array<double, 4>& weight, KnownSteps* known) const;
+  /// From the quadratic map to the curve, at weights of the edge's two corners.
+  geometry::Vec3 edge_step(LocalId cell, int edge, const std::array<double, 4>& weight, KnownSteps* known) const;
 
   std::vector<Level0Cell> cells_;
   std::vector<Walls> walls_;
