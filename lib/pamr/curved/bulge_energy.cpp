@@ -15,31 +15,51 @@ namespace {
 
 using geometry::Vec3;
 
-using Components = std::array<double, 18>;  ///< of the free bulges, in the front
+constexpr std::size_t n_points = sample_points.size();
+
+/// A number at every sample point: sums and products of these take several points at a time.
+using AtPoints = std::array<double, n_points>;
+using VectorAtPoints = std::array<AtPoints, 3>;      ///< by axis
+using RowsAtPoints = std::array<VectorAtPoints, 3>;  ///< by row
+
+/// `slopes[e][a][q]`: what a unit bulge of edge e adds to row a at sample point q.
+constexpr auto make_slopes() {
+  std::array<std::array<AtPoints, 3>, 6> slope{};
+  for (std::size_t q = 0; q < n_points; ++q)
+    for (std::size_t e = 0; e < 6; ++e) {
+      const auto [i, j] = mesh::tet::edge_to_corner[e];
+      std::array<double, 4> derivative{};  // of 4 l_i l_j
+      derivative[at(i)] = 4 * sample_points[q][at(j)];
+      derivative[at(j)] = 4 * sample_points[q][at(i)];
+      for (std::size_t a = 0; a < 3; ++a) slope[e][a][q] = derivative[a + 1] - derivative[0];
+    }
+  return slope;
+}
+constexpr auto slopes = make_slopes();
+
+/// A number for each of some edges, in the front; the rest counts for nothing.
+template <std::size_t width>
+using AtEdges = std::array<double, width>;
+/// `slopes` of some edges, by point and row.
+template <std::size_t width>
+using SlopesOfEdges = std::array<std::array<AtEdges<width>, 3>, n_points>;
 
 /// The edges whose bulges are free, ascending.
 struct FreeEdges {
   explicit FreeEdges(unsigned is_free) {
     for (unsigned rest = is_free; rest != 0; rest &= rest - 1) edge[n++] = at(std::countr_zero(rest));
   }
+  template <std::size_t width>
+  SlopesOfEdges<width> slopes_by_point() const {
+    SlopesOfEdges<width> result{};
+    for (std::size_t q = 0; q < n_points; ++q)
+      for (std::size_t a = 0; a < 3; ++a)
+        for (std::size_t e = 0; e < n; ++e) result[q][a][e] = slopes[edge[e]][a][q];
+    return result;
+  }
   std::array<std::size_t, 6> edge{};
   std::size_t n = 0;
 };
-
-/// `slopes[q][e][a]`: what a unit bulge of edge e adds to row a at sample point q.
-constexpr auto make_slopes() {
-  std::array<std::array<std::array<double, 3>, 6>, sample_points.size()> slope{};
-  for (std::size_t q = 0; q < sample_points.size(); ++q)
-    for (std::size_t e = 0; e < 6; ++e) {
-      const auto [i, j] = mesh::tet::edge_to_corner[e];
-      std::array<double, 4> derivative{};  // of 4 l_i l_j
-      derivative[at(i)] = 4 * sample_points[q][at(j)];
-      derivative[at(j)] = 4 * sample_points[q][at(i)];
-      for (std::size_t a = 0; a < 3; ++a) slope[q][e][a] = derivative[a + 1] - derivative[0];
-    }
-  return slope;
-}
-constexpr auto slopes = make_slopes();
 
 Vec3 combine(const std::array<double, 3>& factor, const JacobianRows& rows) {
   return factor[0] * rows[0] + factor[1] * rows[1] + factor[2] * rows[2];
@@ -62,29 +82,61 @@ JacobianRows cofactors(const JacobianRows& row) {
   return {cross(row[1], row[2]), cross(row[2], row[0]), cross(row[0], row[1])};
 }
 
-/// The map at a sample point.
-struct AtPoint {
-  JacobianRows cofactor;                    ///< derivative of `determinant` by the rows
-  double determinant = 0;                   ///< over that of the straight cell
-  std::array<JacobianRows, 2> metric_rows;  ///< against each target half the derivative of the squared size by the rows
-  std::array<double, 2> squared_size{};     ///< against each target
+/// The map at the sample points.
+struct Sampled {
+  RowsAtPoints cofactor;                    ///< derivatives of `determinant` by the rows
+  AtPoints determinant;                     ///< over that of the straight cell
+  std::array<RowsAtPoints, 2> metric_rows;  ///< against each target half the derivative of the squared size by the rows
+  std::array<AtPoints, 2> squared_size;     ///< against each target
 };
 
-AtPoint at_point(const StraightCell& cell, const CellBulges& bulge, const SampledRows* residual, std::size_t q) {
-  auto row = cell.row;
-  for (std::size_t e = 0; e < 6; ++e)
-    for (std::size_t a = 0; a < 3; ++a) row[a] += slopes[q][e][a] * bulge[e];
-  if (residual != nullptr)
-    for (std::size_t a = 0; a < 3; ++a) row[a] += (*residual)[q][a];
-  AtPoint point;
-  point.cofactor = cofactors(row);
-  for (auto& c : point.cofactor) c = cell.inverse_determinant * c;
-  point.determinant = dot(row[0], point.cofactor[0]);
-  for (std::size_t k = 0; k < 2; ++k) {
-    point.metric_rows[k] = product(cell.metric[k], row);
-    point.squared_size[k] = inner(row, point.metric_rows[k]);
+/// a b - c d
+void subtract_products(const AtPoints& a, const AtPoints& b, const AtPoints& c, const AtPoints& d, double factor,
+                       AtPoints& result) {
+  for (std::size_t q = 0; q < n_points; ++q) result[q] = factor * (a[q] * b[q] - c[q] * d[q]);
+}
+
+AtPoints dot_at_points(const VectorAtPoints& a, const VectorAtPoints& b) {
+  AtPoints result;
+  for (std::size_t q = 0; q < n_points; ++q) result[q] = a[0][q] * b[0][q] + a[1][q] * b[1][q] + a[2][q] * b[2][q];
+  return result;
+}
+
+RowsAtPoints rows_of(const StraightCell& cell, const CellBulges& bulge, const SampledRows* residual) {
+  RowsAtPoints rows;
+  for (std::size_t a = 0; a < 3; ++a)
+    for (std::size_t k = 0; k < 3; ++k) {
+      auto& row = rows[a][k];
+      row.fill(cell.row[a][k]);
+      for (std::size_t e = 0; e < 6; ++e)
+        for (std::size_t q = 0; q < n_points; ++q) row[q] += slopes[e][a][q] * bulge[e][k];
+      if (residual == nullptr) continue;
+      for (std::size_t q = 0; q < n_points; ++q) row[q] += (*residual)[q][a][k];
+    }
+  return rows;
+}
+
+void sample(const StraightCell& cell, const CellBulges& bulge, const SampledRows* residual, Sampled& sampled) {
+  const auto rows = rows_of(cell, bulge, residual);
+  for (std::size_t a = 0; a < 3; ++a)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto &b = rows[(a + 1) % 3], &c = rows[(a + 2) % 3];
+      const auto k1 = (k + 1) % 3, k2 = (k + 2) % 3;
+      subtract_products(b[k1], c[k2], b[k2], c[k1], cell.inverse_determinant, sampled.cofactor[a][k]);
+    }
+  sampled.determinant = dot_at_points(rows[0], sampled.cofactor[0]);
+  for (std::size_t t = 0; t < 2; ++t) {
+    auto& metric_rows = sampled.metric_rows[t];
+    for (std::size_t a = 0; a < 3; ++a) {
+      const auto m = row_of(cell.metric[t], a);
+      for (std::size_t k = 0; k < 3; ++k)
+        for (std::size_t q = 0; q < n_points; ++q)
+          metric_rows[a][k][q] = m[0] * rows[0][k][q] + m[1] * rows[1][k][q] + m[2] * rows[2][k][q];
+    }
+    const auto x = dot_at_points(rows[0], metric_rows[0]), y = dot_at_points(rows[1], metric_rows[1]),
+               z = dot_at_points(rows[2], metric_rows[2]);
+    for (std::size_t q = 0; q < n_points; ++q) sampled.squared_size[t][q] = x[q] + y[q] + z[q];
   }
-  return point;
 }
 
 /// d^2 + 4 delta^2, with d the determinant, is the square of `radius`; `height` is h(d), positive for every d.
@@ -115,14 +167,15 @@ struct Derivatives {
 
 /// With E = (factor n^3 / h^2)^m and h' = h / r, r the radius. The term of d^2 is at least what makes the form positive
 /// definite in the rows and d together: 24 m^3 / (6 m - 1) E / r^2.
-Derivatives differentiate(const StraightCell& cell, const AtPoint& point, const Distortion& distortion,
+Derivatives differentiate(const StraightCell& cell, const Sampled& sampled, std::size_t q, const Distortion& distortion,
                           double& energy) {
-  const auto [radius, height] = regularize(point.determinant, distortion.delta);
+  const double determinant = sampled.determinant[q];
+  const auto [radius, height] = regularize(determinant, distortion.delta);
   const double m = distortion.exponent;
-  const double along = std::max(4 * m * m + 2 * m * point.determinant / radius, 24 * m * m * m / (6 * m - 1));
+  const double along = std::max(4 * m * m + 2 * m * determinant / radius, 24 * m * m * m / (6 * m - 1));
   Derivatives of;
   for (std::size_t k = 0; k < 2; ++k) {
-    const double n = point.squared_size[k], e = energy_at(cell.factor[k] * cube(n), height, distortion.exponent);
+    const double n = sampled.squared_size[k][q], e = energy_at(cell.factor[k] * cube(n), height, distortion.exponent);
     energy += e;
     of.n[k] = 3 * m * e / n;
     of.nn[k] = 3 * m * (3 * m - 1) * e / (n * n);
@@ -133,64 +186,130 @@ Derivatives differentiate(const StraightCell& cell, const AtPoint& point, const 
   return of;
 }
 
-/// The derivatives `by_row` with respect to the components of the bulges.
-Components by_components(const JacobianRows& by_row, std::size_t q, const FreeEdges& free) {
-  Components result{};
-  for (std::size_t e = 0; e < free.n; ++e) {
-    const Vec3 v = combine(slopes[q][free.edge[e]], by_row);
-    result[3 * e] = v.x;
-    result[3 * e + 1] = v.y;
-    result[3 * e + 2] = v.z;
+/// A number for each component of the bulges of some edges, by axis.
+template <std::size_t width>
+using Components = std::array<AtEdges<width>, 3>;
+
+/// The sums over the sample points so far.
+template <std::size_t width>
+struct Sums {
+  Components<width> gradient{};
+  /// By edge and axis; only of edges from the same edge on.
+  std::array<std::array<Components<width>, 3>, width> hessian{};
+};
+
+/// The derivatives `by_row` at a point with respect to the components of the bulges.
+template <std::size_t width>
+Components<width> by_components(const RowsAtPoints& by_row, std::size_t q, const std::array<AtEdges<width>, 3>& slope) {
+  Components<width> result;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double x = by_row[0][k][q], y = by_row[1][k][q], z = by_row[2][k][q];
+    for (std::size_t e = 0; e < width; ++e) result[k][e] = slope[0][e] * x + slope[1][e] * y + slope[2][e] * z;
   }
   return result;
 }
 
-/// Rows of a matrix for all components; of blocks on and right of the diagonal blocks only.
-using Matrix = std::array<Components, 18>;
+/// Several edges at a time; the first of them is a multiple of this.
+constexpr std::size_t n_together = 4;
 
 /// Adds the second derivatives of the squared sizes: equal on the three axes.
-void add_curvature_of_sizes(const StraightCell& cell, const Derivatives& of, std::size_t q, const FreeEdges& free,
-                            Matrix& hessian) {
+template <std::size_t width>
+void add_curvature_of_sizes(const StraightCell& cell, const Derivatives& of, std::size_t n_edges,
+                            const std::array<AtEdges<width>, 3>& slope, Sums<width>& sums) {
   Symmetric3 metric;
   for (std::size_t k = 0; k < 6; ++k) metric[k] = 2 * of.n[0] * cell.metric[0][k] + 2 * of.n[1] * cell.metric[1][k];
-  for (std::size_t e = 0; e < free.n; ++e) {
-    std::array<double, 3> of_edge{};
-    for (std::size_t a = 0; a < 3; ++a) {
-      const auto row = row_of(metric, a);
-      for (std::size_t b = 0; b < 3; ++b) of_edge[a] += row[b] * slopes[q][free.edge[e]][b];
-    }
-    for (std::size_t f = e; f < free.n; ++f) {
-      const auto& s = slopes[q][free.edge[f]];
-      const double value = of_edge[0] * s[0] + of_edge[1] * s[1] + of_edge[2] * s[2];
-      for (std::size_t k = 0; k < 3; ++k) hessian[3 * e + k][3 * f + k] += value;
-    }
+  std::array<AtEdges<width>, 3> of_edge;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const auto row = row_of(metric, a);
+    for (std::size_t e = 0; e < width; ++e)
+      of_edge[a][e] = 0.0 + row[0] * slope[0][e] + row[1] * slope[1][e] + row[2] * slope[2][e];
   }
+  for (std::size_t e = 0; e < n_edges; ++e)
+    for (std::size_t f = e / n_together * n_together; f < width; ++f) {
+      const double value = of_edge[0][e] * slope[0][f] + of_edge[1][e] * slope[1][f] + of_edge[2][e] * slope[2][f];
+      for (std::size_t k = 0; k < 3; ++k) sums.hessian[e][k][k][f] += value;
+    }
 }
 
-/// The sums over the sample points so far.
-struct Sums {
-  Components gradient{};
-  Matrix hessian{};
-};
-
-void add_point(const StraightCell& cell, const AtPoint& point, const Derivatives& of, std::size_t q,
-               const FreeEdges& free, Sums& sums) {
-  auto& [gradient, hessian] = sums;
-  const auto a = by_components(point.metric_rows[0], q, free), b = by_components(point.metric_rows[1], q, free),
-             c = by_components(point.cofactor, q, free);
-  const auto n_components = 3 * free.n;
-  Components for_a, for_b, for_c;
-  for (std::size_t i = 0; i < n_components; ++i) {
-    gradient[i] += 2 * of.n[0] * a[i] + 2 * of.n[1] * b[i] + of.d * c[i];
-    for_a[i] = 4 * of.nn[0] * a[i] + 2 * of.nd[0] * c[i];
-    for_b[i] = 4 * of.nn[1] * b[i] + 2 * of.nd[1] * c[i];
-    for_c[i] = 2 * of.nd[0] * a[i] + 2 * of.nd[1] * b[i] + of.dd * c[i];
-  }
-  for (std::size_t i = 0; i < n_components; ++i)
-    for (std::size_t j = i / 3 * 3; j < n_components; ++j)
-      hessian[i][j] += for_a[i] * a[j] + for_b[i] * b[j] + for_c[i] * c[j];
-  add_curvature_of_sizes(cell, of, q, free, hessian);
+template <std::size_t width>
+void add_point(const StraightCell& cell, const Sampled& sampled, const Derivatives& of, std::size_t q,
+               std::size_t n_edges, const std::array<AtEdges<width>, 3>& slope, Sums<width>& sums) {
+  const auto a = by_components<width>(sampled.metric_rows[0], q, slope),
+             b = by_components<width>(sampled.metric_rows[1], q, slope),
+             c = by_components<width>(sampled.cofactor, q, slope);
+  Components<width> for_a, for_b, for_c;
+  for (std::size_t k = 0; k < 3; ++k)
+    for (std::size_t e = 0; e < width; ++e) {
+      sums.gradient[k][e] += 2 * of.n[0] * a[k][e] + 2 * of.n[1] * b[k][e] + of.d * c[k][e];
+      for_a[k][e] = 4 * of.nn[0] * a[k][e] + 2 * of.nd[0] * c[k][e];
+      for_b[k][e] = 4 * of.nn[1] * b[k][e] + 2 * of.nd[1] * c[k][e];
+      for_c[k][e] = 2 * of.nd[0] * a[k][e] + 2 * of.nd[1] * b[k][e] + of.dd * c[k][e];
+    }
+  for (std::size_t e = 0; e < n_edges; ++e)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double x = for_a[k][e], y = for_b[k][e], z = for_c[k][e];
+      for (std::size_t l = 0; l < 3; ++l)
+        for (std::size_t f = e / n_together * n_together; f < width; ++f)
+          sums.hessian[e][k][l][f] += x * a[l][f] + y * b[l][f] + z * c[l][f];
+    }
+  add_curvature_of_sizes<width>(cell, of, n_edges, slope, sums);
 }
+
+template <std::size_t width>
+void add_points(const StraightCell& cell, const Sampled& sampled, const Distortion& distortion, const FreeEdges& free,
+                BulgeModel& model) {
+  const auto slope = free.slopes_by_point<width>();
+  Sums<width> sums;
+  for (std::size_t q = 0; q < n_points; ++q) {
+    const auto derivatives = differentiate(cell, sampled, q, distortion, model.energy);
+    add_point<width>(cell, sampled, derivatives, q, free.n, slope[q], sums);
+  }
+  for (std::size_t e = 0; e < free.n; ++e)
+    model.gradient[free.edge[e]] = {sums.gradient[0][e], sums.gradient[1][e], sums.gradient[2][e]};
+  auto next = model.hessian.begin();
+  for (std::size_t e = 0; e < free.n; ++e)
+    for (std::size_t k = 0; k < 3; ++k)
+      for (std::size_t f = e; f < free.n; ++f)
+        for (std::size_t l = f == e ? k : 0; l < 3; ++l) *next++ = sums.hessian[e][k][l][f];
+}
+
+[[gnu::always_inline]] inline BulgeModel model_of(const StraightCell& cell, const CellBulges& bulge,
+                                                  const SampledRows* residual, const Distortion& distortion,
+                                                  unsigned is_free) {
+  const FreeEdges free(is_free);
+  Sampled sampled;
+  sample(cell, bulge, residual, sampled);
+  BulgeModel model;
+  if (free.n <= 4)
+    add_points<4>(cell, sampled, distortion, free, model);
+  else
+    add_points<8>(cell, sampled, distortion, free, model);
+  return model;
+}
+
+using ModelOf = BulgeModel(const StraightCell&, const CellBulges&, const SampledRows*, const Distortion&, unsigned);
+
+[[gnu::flatten]] BulgeModel model_anywhere(const StraightCell& cell, const CellBulges& bulge,
+                                           const SampledRows* residual, const Distortion& distortion,
+                                           unsigned is_free) {
+  return model_of(cell, bulge, residual, distortion, is_free);
+}
+
+#if defined(__x86_64__) && defined(__GNUC__)
+/// The same operations, thus the same bits, in two thirds of the time, on processors that take four numbers at once.
+[[gnu::flatten, gnu::target("avx2")]] BulgeModel model_by_fours(const StraightCell& cell, const CellBulges& bulge,
+                                                                const SampledRows* residual,
+                                                                const Distortion& distortion, unsigned is_free) {
+  return model_of(cell, bulge, residual, distortion, is_free);
+}
+
+ModelOf* choose_model() {
+  __builtin_cpu_init();
+  return __builtin_cpu_supports("avx2") != 0 ? model_by_fours : model_anywhere;
+}
+#else
+ModelOf* choose_model() { return model_anywhere; }
+#endif
 
 }  // namespace
 
@@ -215,41 +334,29 @@ StraightCell prepare(const geometry::TetPoints& corner) {
 
 double bulge_energy(const StraightCell& cell, const CellBulges& bulge, const SampledRows* residual,
                     const Distortion& distortion) {
+  Sampled sampled;
+  sample(cell, bulge, residual, sampled);
   double energy = 0;
-  for (std::size_t q = 0; q < sample_points.size(); ++q) {
-    const auto point = at_point(cell, bulge, residual, q);
-    const double height = regularize(point.determinant, distortion.delta).height;
+  for (std::size_t q = 0; q < n_points; ++q) {
+    const double height = regularize(sampled.determinant[q], distortion.delta).height;
     for (std::size_t k = 0; k < 2; ++k)
-      energy += energy_at(cell.factor[k] * cube(point.squared_size[k]), height, distortion.exponent);
+      energy += energy_at(cell.factor[k] * cube(sampled.squared_size[k][q]), height, distortion.exponent);
   }
   return energy;
 }
 
 BulgeModel bulge_model(const StraightCell& cell, const CellBulges& bulge, const SampledRows* residual,
                        const Distortion& distortion, unsigned is_free) {
-  const FreeEdges free(is_free);
-  BulgeModel model;
-  Sums sums;
-  for (std::size_t q = 0; q < sample_points.size(); ++q) {
-    const auto point = at_point(cell, bulge, residual, q);
-    const auto derivatives = differentiate(cell, point, distortion, model.energy);
-    add_point(cell, point, derivatives, q, free, sums);
-  }
-  const auto& [gradient, hessian] = sums;
-  for (std::size_t e = 0; e < free.n; ++e)
-    model.gradient[free.edge[e]] = {gradient[3 * e], gradient[3 * e + 1], gradient[3 * e + 2]};
-  auto next = model.hessian.begin();
-  for (std::size_t i = 0; i < 3 * free.n; ++i)
-    next = std::copy(hessian[i].begin() + static_cast<std::ptrdiff_t>(i),
-                     hessian[i].begin() + static_cast<std::ptrdiff_t>(3 * free.n), next);
-  return model;
+  static const auto model = choose_model();
+  return model(cell, bulge, residual, distortion, is_free);
 }
 
 double smallest_mean_ratio(const StraightCell& cell, const CellBulges& bulge, const SampledRows* residual) {
+  Sampled sampled;
+  sample(cell, bulge, residual, sampled);
   double smallest = std::numeric_limits<double>::infinity();  // cube of the mean ratio, with its sign
-  for (std::size_t q = 0; q < sample_points.size(); ++q) {
-    const auto point = at_point(cell, bulge, residual, q);
-    const double d = point.determinant, n = point.squared_size[0];
+  for (std::size_t q = 0; q < n_points; ++q) {
+    const double d = sampled.determinant[q], n = sampled.squared_size[0][q];
     smallest = std::min(smallest, n > 0 ? std::copysign(d * d / (cell.factor[0] * cube(n)), d) : 0);
   }
   return std::cbrt(smallest);

@@ -131,11 +131,12 @@ double inner(const par::Comm& comm, const Problem& problem, const Vectors& a, co
   return par::reproducible_sums(comm, {&sum, 1}).front();
 }
 
-/// Quadratic model of the energy of all cells.
+/// Quadratic model of the energy of all cells. One for all steps: its arrays are large.
 struct Model {
-  std::vector<double> energy;   ///< of each cell
-  Vectors gradient;             ///< of the sum over all cells, what is allowed of it
-  std::vector<double> hessian;  ///< the cells' upper triangles, one after the other
+  std::vector<double> energy;       ///< of each cell
+  std::vector<CellBulges> of_cell;  ///< its gradient
+  Vectors gradient;                 ///< of the sum over all cells, what is allowed of it
+  std::vector<double> hessian;      ///< the cells' upper triangles, one after the other
   /// Of each edge the inverse of its block of the matrix, within what is allowed.
   std::vector<Symmetric3> inverse;
 };
@@ -162,23 +163,24 @@ Symmetric3 invert(const Freedom& freedom, const Symmetric3& block) {
 }
 
 /// Collective: four exchanges.
-Model linearize(const Problem& problem, const Distortion& distortion, const Vectors& bulge) {
+void linearize(const Problem& problem, const Distortion& distortion, const Vectors& bulge, Model& model) {
   const auto& zone = problem.zone;
-  Model model;
-  std::vector<CellBulges> gradient;
   std::size_t n_entries = 0;
   for (std::size_t c = 0; c < problem.n_cells(); ++c) n_entries += triangle_size(problem.n_components(c));
+  model.energy.clear();
+  model.of_cell.clear();
+  model.hessian.clear();
   model.hessian.reserve(n_entries);
   for (std::size_t c = 0; c < problem.n_cells(); ++c) {
     const auto of_cell =
         bulge_model(problem.cell[c], problem.bulges(c, bulge), problem.residual(c), distortion, problem.is_free[c]);
     model.energy.push_back(of_cell.energy);
-    gradient.push_back(of_cell.gradient);
+    model.of_cell.push_back(of_cell.gradient);
     const auto begin = of_cell.hessian.begin();
     model.hessian.insert(model.hessian.end(), begin,
                          begin + static_cast<std::ptrdiff_t>(triangle_size(problem.n_components(c))));
   }
-  model.gradient = sum_at_edges(problem, gradient);
+  model.gradient = sum_at_edges(problem, model.of_cell);
   const auto block = par::sum_at_items<6>(problem.exchange, zone.bulge.size(), [&](const auto& add) {
     const double* h = model.hessian.data();
     for (std::size_t c = 0; c < problem.n_cells(); ++c) {
@@ -192,8 +194,8 @@ Model linearize(const Problem& problem, const Distortion& distortion, const Vect
       h += triangle_size(n);
     }
   });
+  model.inverse.clear();
   for (std::size_t i = 0; i < block.size(); ++i) model.inverse.push_back(invert(zone.freedom[i], block[i]));
-  return model;
 }
 
 /// The model's matrix times a vector. Collective: two exchanges.
@@ -289,9 +291,9 @@ Step search(const par::Comm& comm, const Problem& problem, const Distortion& dis
 }
 
 /// Changes the bulges to what makes the energy smallest and returns the number of steps. Collective.
-int minimize(const par::Comm& comm, const Problem& problem, const Stage& stage, Vectors& bulge) {
+int minimize(const par::Comm& comm, const Problem& problem, const Stage& stage, Model& model, Vectors& bulge) {
   for (int step = 0; step < max_newton_steps; ++step) {
-    const auto model = linearize(problem, stage.distortion, bulge);
+    linearize(problem, stage.distortion, bulge, model);
     const double energy = par::reproducible_sum(comm, model.energy);
     if (!std::isfinite(energy))
       throw Error(
@@ -325,8 +327,10 @@ Bulges optimize_bulges(const par::Comm& comm, const BulgeZone& zone) {
   Bulges result;
   result.bulge = zone.bulge;
   result.smallest_before = smallest_ratio(comm, problem, result.bulge);
-  if (zone.bends_straight_cells || is_curved(comm, zone))
-    for (const auto& stage : stages) result.iterations += minimize(comm, problem, stage, result.bulge);
+  if (zone.bends_straight_cells || is_curved(comm, zone)) {
+    Model model;
+    for (const auto& stage : stages) result.iterations += minimize(comm, problem, stage, model, result.bulge);
+  }
   result.smallest = smallest_ratio(comm, problem, result.bulge);
   return result;
 }
