@@ -133,10 +133,11 @@ double inner(const par::Comm& comm, const Problem& problem, const Vectors& a, co
 
 /// Quadratic model of the energy of all cells. One for all steps: its arrays are large.
 struct Model {
-  std::vector<double> energy;       ///< of each cell
-  std::vector<CellBulges> of_cell;  ///< its gradient
-  Vectors gradient;                 ///< of the sum over all cells, what is allowed of it
-  std::vector<double> hessian;      ///< the cells' upper triangles, one after the other
+  std::vector<double> energy;  ///< of each cell
+  /// Of each cell its gradient, later its part of a product; 0 for edges that are not free.
+  std::vector<CellBulges> of_cell;
+  Vectors gradient;             ///< of the sum over all cells, what is allowed of it
+  std::vector<double> hessian;  ///< the cells' upper triangles, one after the other
   /// Of each edge the inverse of its block of the matrix, within what is allowed.
   std::vector<Symmetric3> inverse;
 };
@@ -199,8 +200,7 @@ void linearize(const Problem& problem, const Distortion& distortion, const Vecto
 }
 
 /// The model's matrix times a vector. Collective: two exchanges.
-Vectors product(const Problem& problem, const Model& model, const Vectors& v) {
-  std::vector<CellBulges> of_cell(problem.n_cells());
+Vectors product(const Problem& problem, Model& model, const Vectors& v) {
   const double* row = model.hessian.data();  // from the diagonal on
   for (std::size_t c = 0; c < problem.n_cells(); ++c) {
     std::array<double, 18> in{}, out{};
@@ -219,9 +219,9 @@ Vectors product(const Problem& problem, const Model& model, const Vectors& v) {
     }
     const double* next = out.data();
     for (unsigned rest = problem.is_free[c]; rest != 0; rest &= rest - 1, next += 3)
-      of_cell[c][at(std::countr_zero(rest))] = {next[0], next[1], next[2]};
+      model.of_cell[c][at(std::countr_zero(rest))] = {next[0], next[1], next[2]};
   }
-  return sum_at_edges(problem, of_cell);
+  return sum_at_edges(problem, model.of_cell);
 }
 
 Vectors precondition(const Problem& problem, const Model& model, const Vectors& v) {
@@ -237,7 +237,7 @@ void add_multiple(Vectors& to, double factor, const Vectors& v) {
 
 /// Nearly the minimum of the model, as a change of the bulges, by conjugate gradients with blocks of edges as
 /// preconditioner. Collective.
-Vectors newton_direction(const par::Comm& comm, const Problem& problem, const Model& model) {
+Vectors newton_direction(const par::Comm& comm, const Problem& problem, Model& model) {
   Vectors result(model.gradient.size()), rest(model.gradient.size());
   add_multiple(rest, -1, model.gradient);
   auto direction = precondition(problem, model, rest);
@@ -265,8 +265,8 @@ struct Step {
 };
 
 /// Halves the step until the energy falls enough. Collective: a reduction of a sum for each step tried.
-Step search(const par::Comm& comm, const Problem& problem, const Distortion& distortion, const Model& model,
-            double energy, const Vectors& bulge) {
+Step search(const par::Comm& comm, const Problem& problem, const Distortion& distortion, Model& model, double energy,
+            const Vectors& bulge) {
   const auto direction = newton_direction(comm, problem, model);
   const double slope = inner(comm, problem, model.gradient, direction);
   if (!std::isfinite(slope))
