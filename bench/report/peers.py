@@ -98,6 +98,23 @@ class Peers:
             return [SYSTEM_PYTHON, "-B", program]
         return [self._virtual_python(name, entry), "-B", program]
 
+    def sources(self, name):
+        """The folder with the sources of a code that is in a git repository; as `command`."""
+        entry = self.all[name]
+        folder = self.folder / f"{name}-{entry['commit'][:8]}"
+        git = ["git", "-C", folder]
+        if not (folder / entry["folder"]).exists():
+            folder.mkdir(parents=True, exist_ok=True)
+            try:
+                call([*git, "init", "-q"])
+                call([*git, "config", "remote.origin.url", entry["git"]])
+                call([*git, "fetch", "-q", "--depth", "1", "--filter=blob:none", "origin", entry["commit"]], timeout=600)
+                call([*git, "checkout", "-q", "FETCH_HEAD", "--", entry["folder"]], timeout=600)
+            except NotToBeHad as error:
+                self.errors[name] = str(error)
+                return None
+        return folder
+
     def _virtual_python(self, name, entry):
         folder = self._environment_folder(name)
         python = folder / "bin/python"

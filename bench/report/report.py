@@ -14,7 +14,7 @@ from peers import Peers
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 LIMIT_SIZE = {"whole": 55, "quick": 55, "tiny": 20}
-REPEATS = {"whole": (5, 30), "quick": (2, 5), "tiny": (1, 0)}  # at most, and no further one after so many seconds
+REPEATS = {"whole": (5, 20), "quick": (2, 5), "tiny": (1, 0)}  # at most, and no further one after so many seconds
 
 
 class Context:

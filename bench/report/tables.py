@@ -11,7 +11,7 @@ import sys
 
 import rows
 from measure import Failed, Work, line_of_json, load, output_of
-from tool_tables import cad_table, file_table
+from tool_tables import cad_table, file_table, sparta_table
 
 HERE = pathlib.Path(__file__).resolve().parent
 BENCH = HERE.parent
@@ -417,6 +417,7 @@ TABLES = {
         "poisson-boltzmann-speed",
     ),
     "gas": Table("Gas beside dsmcFoam", script("compare-dsmc.sh", BUILD, whole=(), quick=(), tiny=None), "dsmc-speed"),
+    "sparta": Table("Gas beside SPARTA", sparta_table, "dsmc-speed"),
     "partners": Table(
         "Conductivity of the gas by partner",
         script(

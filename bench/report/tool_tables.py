@@ -6,6 +6,7 @@ import pathlib
 import resource
 import shutil
 import statistics
+import sys
 import time
 
 import rows
@@ -96,6 +97,33 @@ def cad_table(context):
         *rows.table(CAD_HEAD, lines),
         "",
         *rows.note_lines(notes),
+    ]
+
+
+def sparta_table(context):
+    """The gas of `compare_gas.py` and of the sphere in SPARTA, too: how fast, and what both find."""
+    particles, quick = {"whole": (("1e5", "1e6"), ()), "quick": (("1e5",), ("--quick",)), "tiny": ((), ())}[context.size]
+    if not particles or "sparta" not in context.names:
+        return ["Not made without SPARTA, or with --tiny."]
+    sources = context.peers.sources("sparta")
+    if sources is None:
+        return list(rows.note_lines({"sparta": context.peers.errors["sparta"]}))
+    tools, out = context.build / "bin", context.out / "sparta"
+    validation = [BENCH.parent / "qualification/validation/sparta.sh", *quick, "--ranks", "1", "--tools", tools]
+    found = output_of([*validation, "--out", out, sources, "box", "sphere"], context.environment)
+    numbers = "\n".join(line for line in found.splitlines() if not line.startswith("building"))
+    compare = [sys.executable, "-B", BENCH / "compare_gas.py", tools, "--sparta", out / "sparta/src/spa_serial"]
+    options = ["--particles", *particles, "--no-cone", "--min-sparta", "0", "--out", out / "speed"]
+    speed = output_of([*compare, *options], context.environment)
+    commit = context.peers.all["sparta"]["commit"][:8]
+    return [
+        f"SPARTA {commit}, near partners in both, medians of three runs in turn:",
+        "",
+        *speed.strip().splitlines(),
+        "",
+        "The same gas in both, 95 % bounds:",
+        "",
+        *(f"    {line}".rstrip() for line in numbers.strip().splitlines()),
     ]
 
 

@@ -39,7 +39,7 @@ struct Level0Shapes {
   mesh::WorstPlace all_splits;
 };
 
-/// `walls`: of the map. Collective: some thirty reductions. Cost: about 0.1 ms for each bent cell, whatever the mesh has
+/// `walls`: of the map. Collective: some thirty reductions. Cost: about 0.05 ms for each bent cell, whatever the mesh has
 /// become. Source: docs/coarse-walls.md.
 Level0Shapes level0_shapes(const par::Comm& comm, const mesh::Level0Map& map, const SampledWalls& walls);
 inline Level0Shapes level0_shapes(const par::Comm& comm, const mesh::Level0Map& map) {

@@ -54,7 +54,7 @@ struct Bulges {
 /// The result depends on neither order, partition nor ranks: sums over cells are order-free. It is not certified: where
 /// `smallest` is not positive, cells are still folded. Throws `Error` on every rank if a cell has no volume or if
 /// values are not finite. Collective: two exchanges of edges and two reductions a step of conjugate gradients, some ten
-/// of which make a Newton step, some 20 of which make the result. Cost: about 0.06 s and 2 MB a thousand cells.
+/// of which make a Newton step, some 20 of which make the result. Cost: about 0.1 s and 2 MB a thousand cells.
 Bulges optimize_bulges(const par::Comm& comm, const BulgeZone& zone);
 
 }  // namespace pamr::curved
