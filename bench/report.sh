@@ -16,8 +16,8 @@
 #   --peers "A B"       only these other codes (report/peers.toml has all, with their releases); "" for none
 #   --out FOLDER        where tables and meshes go (default BUILD/bench/report)
 #   --peer-folder FOLDER  where the other codes are kept (default BUILD/bench/peers): each is made there when it is
-#                       first needed, by pip in an environment of its own, or from packages of Debian that are unpacked, not
-#                       installed; takes a few minutes once. One that cannot be had is named below the table, with the
+#                       first needed, by pip in an environment of its own, from packages of Debian that are unpacked, not
+#                       installed, or by git; takes a few minutes once. One that cannot be had is named below the table, with the
 #                       last error.
 #
 # Exit code 1 when a table could not be made, 2 for a wrong command line. Needs Python 3.11 with numpy and h5py

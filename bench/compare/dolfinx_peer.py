@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """dolfinx: `mesh.refine`, Plaza and Carey's bisection of longest edges, of the marked edges or of all.
 
-Written for 0.5, which Debian 12 has, and for 0.9 and later.
+Written for 0.9 and later.
 """
 
+import basix.ufl
 import dolfinx
 import numpy as np
 import ufl
@@ -12,14 +13,8 @@ from mpi4py import MPI
 
 import workload
 
-IS_OLD = tuple(map(int, dolfinx.__version__.split(".")[:2])) < (0, 9)
-
 
 def linear_tetrahedron():
-    if IS_OLD:
-        return ufl.Mesh(ufl.VectorElement("Lagrange", ufl.tetrahedron, 1))
-    import basix.ufl
-
     return ufl.Mesh(basix.ufl.element("Lagrange", "tetrahedron", 1, shape=(3,)))
 
 
@@ -32,10 +27,7 @@ class Dolfinx:
         self.marked_edges = None
 
     def start(self, cells, nodes):
-        if IS_OLD:
-            mesh = dolfinx_mesh.create_mesh(MPI.COMM_SELF, cells, nodes, linear_tetrahedron())
-        else:
-            mesh = dolfinx_mesh.create_mesh(MPI.COMM_SELF, cells, linear_tetrahedron(), nodes)
+        mesh = dolfinx_mesh.create_mesh(MPI.COMM_SELF, cells, linear_tetrahedron(), nodes)
         mesh.topology.create_entities(1)
         return mesh
 
@@ -43,12 +35,10 @@ class Dolfinx:
         mesh.topology.create_entities(1)
         mesh.topology.create_connectivity(3, 1)
         self.marked_edges = dolfinx_mesh.compute_incident_entities(
-            mesh if IS_OLD else mesh.topology, np.flatnonzero(flags > 0).astype(np.int32), 3, 1
+            mesh.topology, np.flatnonzero(flags > 0).astype(np.int32), 3, 1
         )
 
     def refine(self, mesh):
-        if IS_OLD:
-            return dolfinx_mesh.refine(mesh, self.marked_edges, redistribute=False)
         return dolfinx_mesh.refine(mesh, self.marked_edges)[0]
 
     def relate(self, mesh):

@@ -16,6 +16,7 @@ FLAT_VOLUME_ERROR = 1e-9
 CELLS_BESIDE_OURS = (1 / 3, 6)  # of a code that did the same work by another algorithm
 HOLE_VOLUME = 4.0**3 - 4 / 3 * math.pi
 MAX_SECONDS = 1800  # of one run
+MISSED = ("FAIL", "NOT AS EXPECTED")
 PEER_SECONDS = 240  # of one run of another code on a workload; the levels that it has printed by then count
 
 
@@ -25,32 +26,23 @@ class Failed(Exception):
 
 def output_of(command, environment=None):
     """Standard output of a program; `Failed` with the last line of its errors. A script that prints which of its bars
-    is missed (FAIL) and ends with code 1 has not failed."""
-    try:
-        done = subprocess.run(
-            [str(word) for word in command],
-            env=environment,
-            capture_output=True,
-            text=True,
-            check=False,
-            stdin=subprocess.DEVNULL,
-            timeout=MAX_SECONDS,
-        )
-    except (OSError, subprocess.TimeoutExpired) as error:
-        raise Failed(str(error)[:160]) from error
-    return checked(done.stdout, done.stderr, done.returncode)
+    is missed (`MISSED`) and ends with code 1 has not failed."""
+    text, was_ended = ended_after(command, environment, MAX_SECONDS)
+    if was_ended:
+        raise Failed(f"not done after {MAX_SECONDS} s")
+    return text
 
 
 def checked(text, errors, code):
     """The text, unless the program that printed it has failed."""
-    if code != 0 and not (code == 1 and "FAIL" in text):
+    if code != 0 and not (code == 1 and any(word in text for word in MISSED)):
         lines = [line for line in errors.splitlines() if line.strip()]
         raise Failed(f"ended with code {code}: {(lines or ['no message'])[-1].strip()}"[:160])
     return text
 
 
-def levels_of_peer(command, environment=None, seconds=PEER_SECONDS):
-    """What another code prints, and whether it was ended, with all that it has started, because it took longer; `Failed`
+def ended_after(command, environment, seconds):
+    """What a program prints, and whether it was ended, with all that it has started, because it took longer; `Failed`
     as `output_of`."""
     try:
         run = subprocess.Popen(
@@ -69,11 +61,17 @@ def levels_of_peer(command, environment=None, seconds=PEER_SECONDS):
             text, errors = run.communicate(timeout=seconds)
         except subprocess.TimeoutExpired:
             os.killpg(run.pid, signal.SIGKILL)
-            return lines_by_level(run.communicate()[0]), True
+            return run.communicate()[0], True
         except BaseException:
             os.killpg(run.pid, signal.SIGKILL)
             raise
-    return lines_by_level(checked(text, errors, run.returncode)), False
+    return checked(text, errors, run.returncode), False
+
+
+def levels_of_peer(command, environment=None, seconds=PEER_SECONDS):
+    """The levels that another code prints, and whether it was ended."""
+    text, was_ended = ended_after(command, environment, seconds)
+    return lines_by_level(text), was_ended
 
 
 def lines_by_level(text):

@@ -99,12 +99,14 @@ class Peers:
         return [self._virtual_python(name, entry), "-B", program]
 
     def sources(self, name):
-        """The folder with the sources of a code that is in a git repository; as `command`."""
+        """The folder with the sources of a code that is in a git repository; None, and the reason in `errors`, where they
+        cannot be had."""
         entry = self.all[name]
         folder = self.folder / f"{name}-{entry['commit'][:8]}"
-        git = ["git", "-C", folder]
-        if not (folder / entry["folder"]).exists():
-            folder.mkdir(parents=True, exist_ok=True)
+        git, stamp = ["git", "-C", folder], folder / "pamr-made-of"
+        if not stamp.exists():
+            shutil.rmtree(folder, ignore_errors=True)
+            folder.mkdir(parents=True)
             try:
                 call([*git, "init", "-q"])
                 call([*git, "config", "remote.origin.url", entry["git"]])
@@ -113,6 +115,7 @@ class Peers:
             except NotToBeHad as error:
                 self.errors[name] = str(error)
                 return None
+            stamp.write_text(entry["commit"], encoding="ascii")
         return folder
 
     def _virtual_python(self, name, entry):

@@ -104,16 +104,16 @@ def sparta_table(context):
     """The gas of `compare_gas.py` and of the sphere in SPARTA, too: how fast, and what both find."""
     particles, quick = {"whole": (("1e5", "1e6"), ()), "quick": (("1e5",), ("--quick",)), "tiny": ((), ())}[context.size]
     if not particles or "sparta" not in context.names:
-        return ["Not made without SPARTA, or with --tiny."]
+        return ["Made with SPARTA among the codes, and not with --tiny."]
     sources = context.peers.sources("sparta")
     if sources is None:
         return list(rows.note_lines({"sparta": context.peers.errors["sparta"]}))
-    tools, out = context.build / "bin", context.out / "sparta"
+    tools, out = context.build / "bin", context.out / sources.name
     validation = [BENCH.parent / "qualification/validation/sparta.sh", *quick, "--ranks", "1", "--tools", tools]
     found = output_of([*validation, "--out", out, sources, "box", "sphere"], context.environment)
     numbers = "\n".join(line for line in found.splitlines() if not line.startswith("building"))
     compare = [sys.executable, "-B", BENCH / "compare_gas.py", tools, "--sparta", out / "sparta/src/spa_serial"]
-    options = ["--particles", *particles, "--no-cone", "--min-sparta", "0", "--out", out / "speed"]
+    options = ["--particles", *particles, "--no-cone", "--min-sparta", "0"]
     speed = output_of([*compare, *options], context.environment)
     commit = context.peers.all["sparta"]["commit"][:8]
     return [

@@ -40,9 +40,9 @@ constexpr auto slopes = make_slopes();
 /// A number for each of some edges, in the front; the rest counts for nothing.
 template <std::size_t width>
 using AtEdges = std::array<double, width>;
-/// `slopes` of some edges, by point and row.
+/// `slopes` of some edges at a point, by row.
 template <std::size_t width>
-using SlopesOfEdges = std::array<std::array<AtEdges<width>, 3>, n_points>;
+using SlopesAtPoint = std::array<AtEdges<width>, 3>;
 
 /// The edges whose bulges are free, ascending.
 struct FreeEdges {
@@ -50,8 +50,8 @@ struct FreeEdges {
     for (unsigned rest = is_free; rest != 0; rest &= rest - 1) edge[n++] = at(std::countr_zero(rest));
   }
   template <std::size_t width>
-  SlopesOfEdges<width> slopes_by_point() const {
-    SlopesOfEdges<width> result{};
+  std::array<SlopesAtPoint<width>, n_points> slopes_by_point() const {
+    std::array<SlopesAtPoint<width>, n_points> result{};
     for (std::size_t q = 0; q < n_points; ++q)
       for (std::size_t a = 0; a < 3; ++a)
         for (std::size_t e = 0; e < n; ++e) result[q][a][e] = slopes[edge[e]][a][q];
@@ -90,10 +90,12 @@ struct Sampled {
   std::array<AtPoints, 2> squared_size;     ///< against each target
 };
 
-/// a b - c d
-void subtract_products(const AtPoints& a, const AtPoints& b, const AtPoints& c, const AtPoints& d, double factor,
-                       AtPoints& result) {
+/// factor (a b - c d)
+AtPoints difference_of_products(double factor, const AtPoints& a, const AtPoints& b, const AtPoints& c,
+                                const AtPoints& d) {
+  AtPoints result;
   for (std::size_t q = 0; q < n_points; ++q) result[q] = factor * (a[q] * b[q] - c[q] * d[q]);
+  return result;
 }
 
 AtPoints dot_at_points(const VectorAtPoints& a, const VectorAtPoints& b) {
@@ -116,13 +118,14 @@ RowsAtPoints rows_of(const StraightCell& cell, const CellBulges& bulge, const Sa
   return rows;
 }
 
-void sample(const StraightCell& cell, const CellBulges& bulge, const SampledRows* residual, Sampled& sampled) {
+Sampled at_sample_points(const StraightCell& cell, const CellBulges& bulge, const SampledRows* residual) {
+  Sampled sampled;
   const auto rows = rows_of(cell, bulge, residual);
   for (std::size_t a = 0; a < 3; ++a)
     for (std::size_t k = 0; k < 3; ++k) {
       const auto &b = rows[(a + 1) % 3], &c = rows[(a + 2) % 3];
       const auto k1 = (k + 1) % 3, k2 = (k + 2) % 3;
-      subtract_products(b[k1], c[k2], b[k2], c[k1], cell.inverse_determinant, sampled.cofactor[a][k]);
+      sampled.cofactor[a][k] = difference_of_products(cell.inverse_determinant, b[k1], c[k2], b[k2], c[k1]);
     }
   sampled.determinant = dot_at_points(rows[0], sampled.cofactor[0]);
   for (std::size_t t = 0; t < 2; ++t) {
@@ -137,6 +140,7 @@ void sample(const StraightCell& cell, const CellBulges& bulge, const SampledRows
                z = dot_at_points(rows[2], metric_rows[2]);
     for (std::size_t q = 0; q < n_points; ++q) sampled.squared_size[t][q] = x[q] + y[q] + z[q];
   }
+  return sampled;
 }
 
 /// d^2 + 4 delta^2, with d the determinant, is the square of `radius`; `height` is h(d), positive for every d.
@@ -194,13 +198,13 @@ using Components = std::array<AtEdges<width>, 3>;
 template <std::size_t width>
 struct Sums {
   Components<width> gradient{};
-  /// By edge and axis; only of edges from the same edge on.
+  /// By edge and axis; only those from the same edge on count.
   std::array<std::array<Components<width>, 3>, width> hessian{};
 };
 
 /// The derivatives `by_row` at a point with respect to the components of the bulges.
 template <std::size_t width>
-Components<width> by_components(const RowsAtPoints& by_row, std::size_t q, const std::array<AtEdges<width>, 3>& slope) {
+Components<width> by_components(const RowsAtPoints& by_row, std::size_t q, const SlopesAtPoint<width>& slope) {
   Components<width> result;
   for (std::size_t k = 0; k < 3; ++k) {
     const double x = by_row[0][k][q], y = by_row[1][k][q], z = by_row[2][k][q];
@@ -209,13 +213,13 @@ Components<width> by_components(const RowsAtPoints& by_row, std::size_t q, const
   return result;
 }
 
-/// Several edges at a time; the first of them is a multiple of this.
+/// Edges taken together; a group begins at a multiple of this.
 constexpr std::size_t n_together = 4;
 
 /// Adds the second derivatives of the squared sizes: equal on the three axes.
 template <std::size_t width>
 void add_curvature_of_sizes(const StraightCell& cell, const Derivatives& of, std::size_t n_edges,
-                            const std::array<AtEdges<width>, 3>& slope, Sums<width>& sums) {
+                            const SlopesAtPoint<width>& slope, Sums<width>& sums) {
   Symmetric3 metric;
   for (std::size_t k = 0; k < 6; ++k) metric[k] = 2 * of.n[0] * cell.metric[0][k] + 2 * of.n[1] * cell.metric[1][k];
   std::array<AtEdges<width>, 3> of_edge;
@@ -233,7 +237,7 @@ void add_curvature_of_sizes(const StraightCell& cell, const Derivatives& of, std
 
 template <std::size_t width>
 void add_point(const StraightCell& cell, const Sampled& sampled, const Derivatives& of, std::size_t q,
-               std::size_t n_edges, const std::array<AtEdges<width>, 3>& slope, Sums<width>& sums) {
+               std::size_t n_edges, const SlopesAtPoint<width>& slope, Sums<width>& sums) {
   const auto a = by_components<width>(sampled.metric_rows[0], q, slope),
              b = by_components<width>(sampled.metric_rows[1], q, slope),
              c = by_components<width>(sampled.cofactor, q, slope);
@@ -273,26 +277,16 @@ void add_points(const StraightCell& cell, const Sampled& sampled, const Distorti
         for (std::size_t l = f == e ? k : 0; l < 3; ++l) *next++ = sums.hessian[e][k][l][f];
 }
 
-[[gnu::always_inline]] inline BulgeModel model_of(const StraightCell& cell, const CellBulges& bulge,
-                                                  const SampledRows* residual, const Distortion& distortion,
-                                                  unsigned is_free) {
+BulgeModel model_of(const StraightCell& cell, const CellBulges& bulge, const SampledRows* residual,
+                    const Distortion& distortion, unsigned is_free) {
   const FreeEdges free(is_free);
-  Sampled sampled;
-  sample(cell, bulge, residual, sampled);
+  const auto sampled = at_sample_points(cell, bulge, residual);
   BulgeModel model;
-  if (free.n <= 4)
-    add_points<4>(cell, sampled, distortion, free, model);
+  if (free.n <= n_together)
+    add_points<n_together>(cell, sampled, distortion, free, model);
   else
-    add_points<8>(cell, sampled, distortion, free, model);
+    add_points<2 * n_together>(cell, sampled, distortion, free, model);
   return model;
-}
-
-using ModelOf = BulgeModel(const StraightCell&, const CellBulges&, const SampledRows*, const Distortion&, unsigned);
-
-[[gnu::flatten]] BulgeModel model_anywhere(const StraightCell& cell, const CellBulges& bulge,
-                                           const SampledRows* residual, const Distortion& distortion,
-                                           unsigned is_free) {
-  return model_of(cell, bulge, residual, distortion, is_free);
 }
 
 #if defined(__x86_64__) && defined(__GNUC__)
@@ -303,12 +297,12 @@ using ModelOf = BulgeModel(const StraightCell&, const CellBulges&, const Sampled
   return model_of(cell, bulge, residual, distortion, is_free);
 }
 
-ModelOf* choose_model() {
+auto choose_model() {
   __builtin_cpu_init();
-  return __builtin_cpu_supports("avx2") != 0 ? model_by_fours : model_anywhere;
+  return __builtin_cpu_supports("avx2") != 0 ? model_by_fours : bulge_model_anywhere;
 }
 #else
-ModelOf* choose_model() { return model_anywhere; }
+auto choose_model() { return bulge_model_anywhere; }
 #endif
 
 }  // namespace
@@ -334,8 +328,7 @@ StraightCell prepare(const geometry::TetPoints& corner) {
 
 double bulge_energy(const StraightCell& cell, const CellBulges& bulge, const SampledRows* residual,
                     const Distortion& distortion) {
-  Sampled sampled;
-  sample(cell, bulge, residual, sampled);
+  const auto sampled = at_sample_points(cell, bulge, residual);
   double energy = 0;
   for (std::size_t q = 0; q < n_points; ++q) {
     const double height = regularize(sampled.determinant[q], distortion.delta).height;
@@ -345,15 +338,20 @@ double bulge_energy(const StraightCell& cell, const CellBulges& bulge, const Sam
   return energy;
 }
 
+[[gnu::flatten]] BulgeModel bulge_model_anywhere(const StraightCell& cell, const CellBulges& bulge,
+                                                 const SampledRows* residual, const Distortion& distortion,
+                                                 unsigned is_free) {
+  return model_of(cell, bulge, residual, distortion, is_free);
+}
+
 BulgeModel bulge_model(const StraightCell& cell, const CellBulges& bulge, const SampledRows* residual,
                        const Distortion& distortion, unsigned is_free) {
-  static const auto model = choose_model();
-  return model(cell, bulge, residual, distortion, is_free);
+  static const auto find_model = choose_model();
+  return find_model(cell, bulge, residual, distortion, is_free);
 }
 
 double smallest_mean_ratio(const StraightCell& cell, const CellBulges& bulge, const SampledRows* residual) {
-  Sampled sampled;
-  sample(cell, bulge, residual, sampled);
+  const auto sampled = at_sample_points(cell, bulge, residual);
   double smallest = std::numeric_limits<double>::infinity();  // cube of the mean ratio, with its sign
   for (std::size_t q = 0; q < n_points; ++q) {
     const double d = sampled.determinant[q], n = sampled.squared_size[0][q];

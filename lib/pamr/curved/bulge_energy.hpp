@@ -33,7 +33,7 @@ inline constexpr std::array<std::array<double, 4>, 20> sample_points = detail::m
 /// The derivatives of a residual at each of `sample_points`, to be added to those of the map.
 using SampledRows = std::array<JacobianRows, sample_points.size()>;
 
-/// The residuals of some cells: 1,440 bytes for each that has one.
+/// The `SampledRows` of some cells: 1,440 bytes for each that has any.
 struct SampledWalls {
   std::vector<SampledRows> rows;
   std::vector<LocalId> cell_to_rows;  ///< of each cell the place there, -1: it has none; empty: no cell has one
@@ -98,6 +98,9 @@ constexpr std::size_t triangle_entry(std::size_t n, std::size_t i, std::size_t j
 /// As `bulge_energy`, up to 4 us. `is_free`: bits of the edges.
 BulgeModel bulge_model(const StraightCell& cell, const CellBulges& bulge, const SampledRows* residual,
                        const Distortion& distortion, unsigned is_free = 0x3f);
+/// The same by instructions that all processors have.
+BulgeModel bulge_model_anywhere(const StraightCell& cell, const CellBulges& bulge, const SampledRows* residual,
+                                const Distortion& distortion, unsigned is_free);
 
 /// Smallest mean ratio of the Jacobian at the sample points, against the regular tetrahedron; its sign is that of the
 /// determinant relative to the straight cell's. Local.

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "pamr/base/contract.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/geometry/quadratic_tet.hpp"
 #include "pamr/geometry/tet_shape.hpp"
@@ -207,26 +208,28 @@ double smallest_child(const mesh::Level0Map& map, LocalId cell) {
 
 SampledWalls sample_walls(const mesh::Level0Map& map) {
   SampledWalls walls;
-  for (const auto& cell : map.cells()) {
-    const auto& patch = cell.edge_patch;
+  for (std::size_t c = 0; c < map.cells().size(); ++c) {
+    const auto& patch = map.cells()[c].edge_patch;
     const bool has_any = std::any_of(patch.begin(), patch.end(), [](const auto& p) { return p[0] >= 0; });
-    const auto row = static_cast<LocalId>(walls.cell_to_rows.size());
     walls.cell_to_rows.push_back(has_any ? static_cast<LocalId>(walls.rows.size()) : -1);
     if (!has_any) continue;
     auto& rows = walls.rows.emplace_back();
     mesh::KnownSteps known;
-    for (std::size_t q = 0; q < rows.size(); ++q) rows[q] = residual_rows(map, row, sample_points[q], known);
+    for (std::size_t q = 0; q < rows.size(); ++q)
+      rows[q] = residual_rows(map, static_cast<LocalId>(c), sample_points[q], known);
   }
   return walls;
 }
 
 mesh::WorstPlace sampled_jacobian(const par::Comm& comm, const mesh::Level0Map& map, const SampledWalls& walls) {
+  PAMR_EXPECTS(walls.cell_to_rows.size() == map.cells().size());
   mesh::WorstPlaces worst;
   for (std::size_t c = 0; c < map.cells().size(); ++c) sample(map.cells()[c], walls.of(c), worst);
   return worst.over(comm);
 }
 
 Level0Shapes level0_shapes(const par::Comm& comm, const mesh::Level0Map& map, const SampledWalls& walls) {
+  PAMR_EXPECTS(walls.cell_to_rows.size() == map.cells().size());
   mesh::WorstPlaces determinant, mean_ratio, all_splits;
   mesh::WorstPlaces sampled;
   std::array<mesh::WorstPlaces, n_levels + 1> split;

@@ -332,9 +332,12 @@ Level0Report make_level0_map(const par::Comm& comm, mesh::DistMesh& mesh, refine
   }
   auto bent = find_bent_cells(level0);
   report.n_bent_cells = bent.n_global;
-  const mesh::Level0Map straight_inside(bent.row, bent.n_global, level0.nodes.info);
-  const auto zone = make_zone(level0, bent, sample_walls(straight_inside), bend);
-  report.smallest_before = sampled_jacobian(comm, straight_inside, zone.walls).value;
+  BulgeZone zone;
+  {
+    const mesh::Level0Map straight_inside(bent.row, bent.n_global, level0.nodes.info);
+    zone = make_zone(level0, bent, sample_walls(straight_inside), bend);
+    report.smallest_before = sampled_jacobian(comm, straight_inside, zone.walls).value;
+  }
   const auto found = optimize_bulges(comm, zone);
   report.iterations = found.iterations;
   for (std::size_t i = 0; i < bent.row.size(); ++i)

@@ -163,7 +163,7 @@ Symmetric3 invert(const Freedom& freedom, const Symmetric3& block) {
   return {factor * x.x, factor * x.y, factor * x.z, factor * y.y, factor * y.z, factor * z.z};
 }
 
-/// Collective: four exchanges.
+/// Makes the model at some bulges. Collective: four exchanges.
 void linearize(const Problem& problem, const Distortion& distortion, const Vectors& bulge, Model& model) {
   const auto& zone = problem.zone;
   std::size_t n_entries = 0;

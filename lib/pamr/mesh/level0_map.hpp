@@ -63,7 +63,7 @@ constexpr CornerWeights middle(const CornerWeights& a, const CornerWeights& b) {
 }
 
 /// Steps onto the curved edges of one cell, as they were found: many places in a cell lie beside the same place of an
-/// edge. Empty for another cell.
+/// edge. Another cell, or other bulges, take a new one.
 class KnownSteps {
  public:
   /// The step at these weights of the edge's corners; what `find` returns becomes it where it is not known.
@@ -72,7 +72,8 @@ class KnownSteps {
     auto& steps = steps_[at(edge)];
     for (const auto& step : steps)
       if (step.weight == weight) return step.length;
-    return steps.emplace_back(weight, find()).length;
+    steps.push_back({weight, find()});
+    return steps.back().length;
   }
 
  private:
@@ -108,7 +109,7 @@ class Level0Map {
   /// `known`: of this cell, if many places of it are asked for.
   std::optional<Mapped> place(LocalId cell, const CornerWeights& weight, KnownSteps* known = nullptr) const;
   /// The displacement by the curved walls of a cell beyond the quadratic map at these barycentric coordinates: R in the page.
-  geometry::Vec3 wall_residual(LocalId cell, const std::array<double, 4>& weight, KnownSteps* known) const;
+  geometry::Vec3 wall_residual(LocalId cell, const std::array<double, 4>& weight, KnownSteps* known = nullptr) const;
   /// Whether a wall may end at an edge of the cell: there the residual has derivatives to one side only.
   bool has_wall_that_ends(LocalId cell) const { return walls_[at(cell)].may_end; }
 

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <utility>
+#include <vector>
 
 #include "support/dice.hpp"
 
@@ -152,6 +153,46 @@ TEST(BulgeModel, HasTheCurvatureOfTheEnergyWhereOneEdgeOfAGoodCellMoves) {
 
       EXPECT_NEAR(curvature(model, direction, direction), difference, 1e-6 * std::abs(difference));
     }
+  }
+}
+
+TEST(BulgeEnergy, ModelsOfSomeEdgesAreTheEntriesOfAll) {
+  test::Dice dice(11);
+  for (int round = 0; round < 20; ++round) {
+    const auto cell = prepare(random_cell(dice));
+    const auto bulge = random_bulges(dice, 0.1);
+    const auto residual = random_residual(dice, 0.01);
+    const Distortion distortion{0.01, 1 + round % 3};
+    const auto whole = bulge_model(cell, bulge, &residual, distortion);
+    for (unsigned is_free = 0; is_free < 64; ++is_free) {
+      const auto model = bulge_model(cell, bulge, &residual, distortion, is_free);
+      EXPECT_EQ(model.energy, whole.energy);
+      std::vector<std::size_t> components;
+      for (std::size_t e = 0; e < 6; ++e) {
+        const bool is_here = (is_free >> e & 1U) != 0;
+        EXPECT_EQ(model.gradient[e], is_here ? whole.gradient[e] : Vec3{});
+        for (std::size_t k = 0; k < 3 && is_here; ++k) components.push_back(3 * e + k);
+      }
+      const auto n = components.size();
+      for (std::size_t i = 0; i < n; ++i)
+        for (std::size_t j = i; j < n; ++j)
+          EXPECT_EQ(model.hessian[triangle_entry(n, i, j)],
+                    whole.hessian[triangle_entry(18, components[i], components[j])]);
+    }
+  }
+}
+
+TEST(BulgeEnergy, EveryProcessorGivesTheSameBits) {
+  test::Dice dice(12);
+  for (unsigned is_free = 0; is_free < 64; ++is_free) {
+    const auto cell = prepare(random_cell(dice));
+    const auto bulge = random_bulges(dice, 0.3);
+    const auto residual = random_residual(dice, 0.01);
+    const auto here = bulge_model(cell, bulge, &residual, {1e-3, 3}, is_free);
+    const auto anywhere = bulge_model_anywhere(cell, bulge, &residual, {1e-3, 3}, is_free);
+    EXPECT_EQ(here.energy, anywhere.energy);
+    EXPECT_EQ(here.gradient, anywhere.gradient);
+    EXPECT_EQ(here.hessian, anywhere.hessian);
   }
 }
 
