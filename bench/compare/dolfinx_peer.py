@@ -50,8 +50,7 @@ class Dolfinx:
         return mesh.topology.index_map(3).size_local
 
     def corners(self, mesh):
-        cells = mesh.geometry.dofmap
-        return mesh.geometry.x[(cells.array if IS_OLD else np.asarray(cells)).reshape(-1, 4)]
+        return mesh.geometry.x[np.asarray(mesh.geometry.dofmap).reshape(-1, 4)]
 
 
 workload.main(Dolfinx())
