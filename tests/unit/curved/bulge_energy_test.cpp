@@ -37,6 +37,17 @@ SampledRows random_residual(test::Dice& dice, double size) {
   return residual;
 }
 
+/// A cell with bulges of its edges and a small residual.
+struct RandomCase {
+  RandomCase(test::Dice& dice, double bulge_size)
+      : cell(prepare(random_cell(dice))),
+        bulge(random_bulges(dice, bulge_size)),
+        residual(random_residual(dice, 0.01)) {}
+  StraightCell cell;
+  CellBulges bulge;
+  SampledRows residual;
+};
+
 double& component(CellBulges& bulge, std::size_t i) { return bulge[i / 3][i % 3]; }
 
 double curvature(const BulgeModel& model, CellBulges v, CellBulges w) {
@@ -156,16 +167,14 @@ TEST(BulgeModel, HasTheCurvatureOfTheEnergyWhereOneEdgeOfAGoodCellMoves) {
   }
 }
 
-TEST(BulgeEnergy, ModelsOfSomeEdgesAreTheEntriesOfAll) {
+TEST(BulgeModel, ModelsOfSomeEdgesAreTheEntriesOfAll) {
   test::Dice dice(11);
   for (int round = 0; round < 20; ++round) {
-    const auto cell = prepare(random_cell(dice));
-    const auto bulge = random_bulges(dice, 0.1);
-    const auto residual = random_residual(dice, 0.01);
+    const RandomCase given(dice, 0.1);
     const Distortion distortion{0.01, 1 + round % 3};
-    const auto whole = bulge_model(cell, bulge, &residual, distortion);
+    const auto whole = bulge_model(given.cell, given.bulge, &given.residual, distortion);
     for (unsigned is_free = 0; is_free < 64; ++is_free) {
-      const auto model = bulge_model(cell, bulge, &residual, distortion, is_free);
+      const auto model = bulge_model(given.cell, given.bulge, &given.residual, distortion, is_free);
       EXPECT_EQ(model.energy, whole.energy);
       std::vector<std::size_t> components;
       for (std::size_t e = 0; e < 6; ++e) {
@@ -182,14 +191,12 @@ TEST(BulgeEnergy, ModelsOfSomeEdgesAreTheEntriesOfAll) {
   }
 }
 
-TEST(BulgeEnergy, EveryProcessorGivesTheSameBits) {
+TEST(BulgeModel, EveryProcessorGivesTheSameBits) {
   test::Dice dice(12);
   for (unsigned is_free = 0; is_free < 64; ++is_free) {
-    const auto cell = prepare(random_cell(dice));
-    const auto bulge = random_bulges(dice, 0.3);
-    const auto residual = random_residual(dice, 0.01);
-    const auto here = bulge_model(cell, bulge, &residual, {1e-3, 3}, is_free);
-    const auto anywhere = bulge_model_anywhere(cell, bulge, &residual, {1e-3, 3}, is_free);
+    const RandomCase given(dice, 0.3);
+    const auto here = bulge_model(given.cell, given.bulge, &given.residual, {1e-3, 3}, is_free);
+    const auto anywhere = bulge_model_anywhere(given.cell, given.bulge, &given.residual, {1e-3, 3}, is_free);
     EXPECT_EQ(here.energy, anywhere.energy);
     EXPECT_EQ(here.gradient, anywhere.gradient);
     EXPECT_EQ(here.hessian, anywhere.hessian);
