@@ -135,7 +135,8 @@ TEST(OptimizeBulges, RefusesFlatCellsAndWildValuesOnEveryRank) {
             std::string::npos);
   EXPECT_NE(error_with([](BulgeZone& zone) { zone.bulge[3].x = std::nan(""); }).find("expected finite bulges"),
             std::string::npos);
-  EXPECT_NE(error_with([](BulgeZone& zone) { zone.walls.rows[3][7][2].y = 1e100; }).find("overflow"), std::string::npos);
+  EXPECT_NE(error_with([](BulgeZone& zone) { zone.walls.rows[3][7][2].y = 1e100; }).find("overflow"),
+            std::string::npos);
 }
 
 }  // namespace optimize_bulges_test
