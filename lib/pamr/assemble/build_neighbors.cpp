@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "pamr/base/error.hpp"
+#include "pamr/base/memory.hpp"
 #include "pamr/mesh/face_groups.hpp"
 #include "pamr/mesh/rank_border.hpp"
 #include "pamr/mesh/tet.hpp"
@@ -31,7 +32,8 @@ LocalId& slot_at(mesh::DistMesh& mesh, mesh::CellFace face) {
 
 /// Links the cells of this rank that have a face in common; what stays single keeps `invalid_local`.
 void match_own(mesh::DistMesh& mesh) {
-  mesh.cell_to_cell.assign(mesh.cell_to_node.size(), {invalid_local, invalid_local, invalid_local, invalid_local});
+  assign_array(mesh.cell_to_cell, mesh.cell_to_node.size(),
+               {invalid_local, invalid_local, invalid_local, invalid_local});
   mesh::FaceGroups(mesh).for_each([&](std::span<const mesh::CellFace> faces) {
     if (faces.size() > 2) {
       std::vector<GlobalId> cells;

@@ -244,17 +244,4 @@ void agree(const Comm& comm, const std::function<void()>& local) {
   throw Error(comm.broadcast(trouble.value_or(""), static_cast<Rank>(first)));
 }
 
-BlockRange block_range(IdRange ids, Exact<Rank> rank, Exact<Rank> size) {
-  const GlobalId quotient = ids.n / size, remainder = ids.n % size;
-  const GlobalId begin = ids.first + rank * quotient + std::min<GlobalId>(rank, remainder);
-  return {begin, begin + quotient + (rank < remainder ? 1 : 0)};
-}
-
-Rank block_of(Exact<GlobalId> id, IdRange ids, Exact<Rank> size) {
-  PAMR_EXPECTS(ids.contains(id));
-  const GlobalId quotient = ids.n / size, remainder = ids.n % size;
-  const GlobalId in_long = remainder * (quotient + 1), at = id - ids.first;
-  return static_cast<Rank>(at < in_long ? at / (quotient + 1) : remainder + (at - in_long) / quotient);
-}
-
 }  // namespace pamr::par

@@ -3,6 +3,7 @@
 
 #include <mpi.h>
 
+#include <algorithm>
 #include <array>
 #include <concepts>
 #include <cstddef>
@@ -14,6 +15,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "pamr/base/contract.hpp"
 #include "pamr/base/exact.hpp"
 #include "pamr/base/timer.hpp"
 #include "pamr/base/types.hpp"
@@ -167,10 +169,20 @@ void agree(const Comm& comm, const std::function<void()>& local);
 struct BlockRange {
   GlobalId begin = 0, end = 0;
   GlobalId count() const { return end - begin; }
+  bool contains(GlobalId id) const { return id >= begin && id < end; }
 };
-BlockRange block_range(IdRange ids, Exact<Rank> rank, Exact<Rank> size);
-/// The block that holds item `id`.
-Rank block_of(Exact<GlobalId> id, IdRange ids, Exact<Rank> size);
+inline BlockRange block_range(IdRange ids, Exact<Rank> rank, Exact<Rank> size) {
+  const GlobalId quotient = ids.n / size, remainder = ids.n % size;
+  const GlobalId begin = ids.first + rank * quotient + std::min<GlobalId>(rank, remainder);
+  return {begin, begin + quotient + (rank < remainder ? 1 : 0)};
+}
+/// The block that holds item `id`. Asked for each of many items; what does not depend on `id` leaves the loop.
+inline Rank block_of(Exact<GlobalId> id, IdRange ids, Exact<Rank> size) {
+  PAMR_EXPECTS(ids.contains(id));
+  const GlobalId quotient = ids.n / size, remainder = ids.n % size;
+  const GlobalId in_long = remainder * (quotient + 1), at = id - ids.first;
+  return static_cast<Rank>(at < in_long ? at / (quotient + 1) : remainder + (at - in_long) / quotient);
+}
 
 template <class T>
 std::vector<T> Comm::broadcast(std::vector<T> values, Exact<Rank> root) const {

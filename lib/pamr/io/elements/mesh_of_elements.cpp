@@ -6,9 +6,8 @@
 #include <algorithm>
 #include <iterator>
 #include <limits>
-#include <numeric>
+#include <optional>
 #include <set>
-#include <tuple>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -21,6 +20,7 @@
 #include "pamr/base/listed.hpp"
 #include "pamr/base/memory.hpp"
 #include "pamr/io/elements/cut_elements.hpp"
+#include "pamr/io/elements/number_elements.hpp"
 #include "pamr/io/text.hpp"
 #include "pamr/mesh/inner_patches.hpp"
 #include "pamr/mesh/region_faces.hpp"
@@ -77,140 +77,15 @@ void refuse_what_does_not_fit(const par::Comm& comm, const ElementParts& parts, 
                               : ""));
 }
 
-/// From the numbers that the file gives its nodes to their place in the file. Collective.
-class NodeTable {
- public:
-  NodeTable(const par::Comm& comm, const ElementParts& parts, const std::string& source)
-      : comm_(comm), source_(source) {
-    std::int64_t least = std::numeric_limits<std::int64_t>::max(), greatest = 0;
-    for (const auto tag : parts.node_tag) {
-      least = std::min(least, tag);
-      greatest = std::max(greatest, tag);
-    }
-    least = comm.min(least);
-    greatest = comm.max(greatest);
-    if (parts.n_nodes == 0) throw Error(source + ": expected nodes, found none");
-    if (least < 0 || greatest - least >= 64 * parts.n_nodes + 1024)
-      throw Error(
-          fmt::format("{}: expected node numbers from 0 on without wide gaps, found numbers from {} to {} for {} nodes",
-                      source, least, greatest, parts.n_nodes));
-    tags_ = {greatest - least + 1, least};
-    std::vector<GlobalId> place(parts.node_tag.size());
-    const auto own = par::block_range(parts.n_nodes, comm.rank(), comm.size());
-    for (std::size_t i = 0; i < place.size(); ++i) place[i] = own.begin + static_cast<GlobalId>(i) + 1;
-    place_ = par::scatter_rows<GlobalId>(comm, tags_, place, 1, parts.node_tag);
-    const auto back = par::fetch_rows<GlobalId>(comm, tags_, place_, 1, parts.node_tag);
-    par::agree(comm, [&] {
-      for (std::size_t i = 0; i < back.size(); ++i)
-        if (back[i] != place[i])
-          throw Error(fmt::format("{}: expected every node number once, found {} twice", source_, parts.node_tag[i]));
-    });
-  }
-
-  /// Replaces numbers by places. Collective.
-  void translate(std::vector<GlobalId>& tags) const {
-    par::agree(comm_, [&] {
-      for (const auto tag : tags)
-        if (!tags_.contains(tag)) fail(tag);
-    });
-    auto place = par::fetch_rows<GlobalId>(comm_, tags_, place_, 1, tags);
-    par::agree(comm_, [&] {
-      for (std::size_t i = 0; i < tags.size(); ++i)
-        if (place[i]-- == 0) fail(tags[i]);
-    });
-    tags = std::move(place);
-  }
-
- private:
-  [[noreturn]] void fail(GlobalId tag) const {
-    throw Error(fmt::format("{}: expected elements of nodes that are there, found node number {}", source_, tag));
-  }
-
-  const par::Comm& comm_;
-  const std::string& source_;
-  IdRange tags_{0};
-  std::vector<GlobalId> place_;
-};
-
-/// Cells and boundary triangles by the places of their nodes.
-struct Numbered {
-  std::vector<std::array<GlobalId, 4>> cell;
-  std::vector<Triangle> triangle;
-  GlobalId n_nodes = 0;
-  std::vector<geometry::Vec3> position;      ///< canonical block
-  std::vector<mesh::NodeField> node_fields;  ///< canonical block
-  std::vector<GlobalId> origin;              ///< of the block's nodes, among all that were given
-  std::int64_t n_dropped = 0;
-};
-
-template <class Item>
-std::vector<GlobalId> flatten(const std::vector<Item>& items) {
-  std::vector<GlobalId> flat;
-  flat.reserve(items.size() * std::tuple_size_v<decltype(Item::node)>);
-  for (const auto& item : items) flat.insert(flat.end(), item.node.begin(), item.node.end());
-  return flat;
-}
-
-/// Rows of this rank's block, sent to where their new numbers belong. Collective.
-template <class T>
-std::vector<T> chosen_rows(const par::Comm& comm, GlobalId n, const std::vector<T>& all, std::size_t width,
-                           const std::vector<std::size_t>& rows, const std::vector<GlobalId>& new_number) {
-  std::vector<T> chosen;
-  chosen.reserve(rows.size() * width);
-  for (const auto row : rows)
-    for (std::size_t k = 0; k < width; ++k) chosen.push_back(all[row * width + k]);
-  return par::scatter_rows<T>(comm, n, chosen, width, new_number);
-}
-
-/// Leaves out the nodes that no cell has and closes the gaps in the numbering. Collective.
-Numbered number(const par::Comm& comm, const ElementParts& parts, const std::string& source, bool with_origin) {
-  const NodeTable table(comm, parts, source);
-  auto corners = flatten(parts.tetrahedron), of_triangles = flatten(parts.triangle);
-  table.translate(corners);
-  table.translate(of_triangles);
-
-  const std::vector<std::uint8_t> one(corners.size(), 1);
-  const auto is_used = par::scatter_rows<std::uint8_t>(comm, parts.n_nodes, one, 1, corners);
-  Numbered result;
-  std::int64_t n_used = 0;
-  for (const auto used : is_used) n_used += used;
-  auto next = comm.exclusive_sum(n_used);
-  result.n_nodes = comm.sum(n_used);
-  result.n_dropped = parts.n_nodes - result.n_nodes;
-  std::vector<GlobalId> new_number(is_used.size(), -1), kept;
-  std::vector<std::size_t> rows;
-  for (std::size_t i = 0; i < is_used.size(); ++i)
-    if (is_used[i] != 0) {
-      new_number[i] = next++;
-      kept.push_back(new_number[i]);
-      rows.push_back(i);
-    }
-  result.position = chosen_rows(comm, result.n_nodes, parts.position, 1, rows, kept);
-  if (with_origin) {
-    std::vector<GlobalId> place(is_used.size());
-    std::iota(place.begin(), place.end(), par::block_range(parts.n_nodes, comm.rank(), comm.size()).begin);
-    result.origin = chosen_rows(comm, result.n_nodes, place, 1, rows, kept);
-  }
-  result.node_fields = parts.node_fields;
-  for (auto& field : result.node_fields)
-    std::visit(
-        [&](auto& values) { values = chosen_rows(comm, result.n_nodes, values, at(field.n_components), rows, kept); },
-        field.value);
-  corners = par::fetch_rows<GlobalId>(comm, parts.n_nodes, new_number, 1, corners);
-  of_triangles = par::fetch_rows<GlobalId>(comm, parts.n_nodes, new_number, 1, of_triangles);
-  for (std::size_t i = 0; i < corners.size(); i += 4)
-    result.cell.push_back({corners[i], corners[i + 1], corners[i + 2], corners[i + 3]});
-  for (std::size_t i = 0; i < of_triangles.size(); i += 3)
-    result.triangle.push_back({of_triangles[i], of_triangles[i + 1], of_triangles[i + 2]});
-  return result;
-}
-
 /// Dimension and number of the groups that elements of any rank belong to, ascending: all of triangles, those of
 /// tetrahedra that have a name. Collective.
 std::vector<std::array<std::int64_t, 2>> all_groups(const par::Comm& comm, const ElementParts& parts) {
   std::set<std::array<std::int64_t, 2>> here;
   for (const auto& triangle : parts.triangle) here.insert({2, triangle.group});
+  std::optional<std::int64_t> last;  // long runs of cells are in one group
   const auto add_region = [&](std::int64_t group) {
+    if (last == group) return;
+    last = group;
     if (parts.group_name.contains({3, group})) here.insert({3, group});
   };
   for (const auto& cell : parts.tetrahedron) add_region(cell.group);
@@ -262,6 +137,7 @@ std::vector<std::int64_t> regions_of(const par::Comm& comm, const ElementParts& 
   greatest = comm.max(greatest);
   const bool by_volume = greatest < 0 && least != greatest && !parts.has_signed_regions;
   std::vector<std::int64_t> region;
+  reserve_array(region, parts.tetrahedron.size());
   for (const auto& cell : parts.tetrahedron)
     region.push_back(parts.has_signed_regions ? cell.group
                      : by_volume              ? -cell.group
@@ -436,7 +312,7 @@ ElementMesh mesh_of_elements(const par::Comm& comm, ElementParts parts, const st
                              const std::function<mesh::Patch(std::int64_t group)>& patch_of_group) {
   const auto cut = sum_of_counts(comm, parts.cut);
   refuse_what_does_not_fit(comm, parts, source, cut, options.split_prisms);
-  auto numbered = number(comm, parts, source, options.with_origin);
+  auto numbered = number_elements(comm, parts, source, options.with_origin);
 
   ElementMesh result;
   result.n_dropped_nodes = numbered.n_dropped;

@@ -10,6 +10,8 @@
 #include <string_view>
 #include <system_error>
 
+#include "pamr/base/memory.hpp"
+
 namespace pamr::io::gmsh {
 
 namespace {
@@ -54,8 +56,8 @@ void read_nodes(TextCursor& in, bool is_binary, Share share, Parts& parts) {
   parts.n_nodes = in.checked_count(in.integer("the number of nodes"), 8, "nodes");
   (void)in.line();
   const auto own = share.of(parts.n_nodes);
-  parts.node_tag.reserve(static_cast<std::size_t>(own.count()));
-  parts.position.reserve(static_cast<std::size_t>(own.count()));
+  reserve_array(parts.node_tag, static_cast<std::size_t>(own.count()));
+  reserve_array(parts.position, static_cast<std::size_t>(own.count()));
   constexpr std::size_t row = sizeof(std::int32_t) + 3 * sizeof(double);
   in.set_binary(is_binary);
   is_binary ? in.skip_rows(own.begin, row, "a node") : in.skip_lines(own.begin, "a node");
@@ -83,18 +85,36 @@ std::int64_t group_of(std::int64_t physical, std::int64_t entity) {
 
 using Nodes = std::array<std::int64_t, max_nodes>;
 
-void keep(Parts& parts, int type, const Nodes& nodes, const std::array<std::int64_t, 2>& tag) {
-  const auto group = group_of(tag[0], tag[1]);
-  const bool is_face = element_type::is_face(type);
-  if (is_face) parts.group_of_surface[tag[1]] = group;
-  if (group > 0 && (type == element_type::point || type == element_type::line))
-    ++parts.n_in_group[{type == element_type::point ? 0 : 1, group}];
-  if (group > 0 && (is_face || element_type::is_cell(type)))
-    parts.entity_in_group.insert({is_face ? 2 : 3, tag[1], group});
-  keep_element(parts, type, nodes, group);
-}
+/// Takes elements one after another, long runs of which are of one type and in one group.
+class Elements {
+ public:
+  explicit Elements(Parts& parts) : parts_(&parts) {}
 
-void read_element_line(TextCursor& in, Parts& parts) {
+  void keep(int type, const Nodes& nodes, const std::array<std::int64_t, 2>& tag) {
+    if (type != type_ || tag != tag_) begin_run(type, tag);
+    if (group_ > 0 && (type == element_type::point || type == element_type::line))
+      ++parts_->n_in_group[{type == element_type::point ? 0 : 1, group_}];
+    keep_element(*parts_, type, nodes, group_);
+  }
+
+ private:
+  void begin_run(int type, const std::array<std::int64_t, 2>& tag) {
+    type_ = type;
+    tag_ = tag;
+    group_ = group_of(tag[0], tag[1]);
+    const bool is_face = element_type::is_face(type);
+    if (is_face) parts_->group_of_surface[tag[1]] = group_;
+    if (group_ > 0 && (is_face || element_type::is_cell(type)))
+      parts_->entity_in_group.insert({is_face ? 2 : 3, tag[1], group_});
+  }
+
+  Parts* parts_;
+  int type_ = 0;  // of the last element, as the tags and the group
+  std::array<std::int64_t, 2> tag_{};
+  std::int64_t group_ = 0;
+};
+
+void read_element_line(TextCursor& in, Elements& elements) {
   (void)in.integer("the number of an element");
   const int type = checked_type(in, in.integer("the type of an element"));
   const auto n_tags = in.integer("the number of tags");
@@ -109,16 +129,15 @@ void read_element_line(TextCursor& in, Parts& parts) {
     const auto node = in.integer("a node of an element");
     if (k < std::ssize(nodes)) nodes[static_cast<std::size_t>(k)] = node;
   }
-  keep(parts, type, nodes, tag);
+  elements.keep(type, nodes, tag);
   (void)in.line();
 }
 
-void read_binary_elements(TextCursor& in, Share share, Parts& parts) {
-  const auto own = share.of(parts.n_elements);
-  for (std::int64_t done = 0; done < parts.n_elements;) {
+void read_binary_elements(TextCursor& in, par::BlockRange own, std::int64_t n_elements, Elements& elements) {
+  for (std::int64_t done = 0; done < n_elements;) {
     const int type = checked_type(in, in.value<std::int32_t>("the type of elements"));
     const auto n = in.value<std::int32_t>("a number of elements"), n_tags = in.value<std::int32_t>("a number of tags");
-    if (n <= 0 || n > parts.n_elements - done) in.fail("a number of elements that is left", fmt::format("{}", n));
+    if (n <= 0 || n > n_elements - done) in.fail("a number of elements that is left", fmt::format("{}", n));
     if (n_tags < 0 || n_tags > 1000) in.fail("a number of tags up to 1000", fmt::format("{}", n_tags));
     const int n_nodes = n_nodes_of_type(type);
     const auto row = sizeof(std::int32_t) * static_cast<std::size_t>(1 + n_tags + n_nodes);
@@ -137,7 +156,7 @@ void read_binary_elements(TextCursor& in, Share share, Parts& parts) {
         const auto node = in.value<std::int32_t>("a node of an element");
         if (k < std::ssize(nodes)) nodes[static_cast<std::size_t>(k)] = node;
       }
-      keep(parts, type, nodes, tag);
+      elements.keep(type, nodes, tag);
     }
     in.skip_rows(n - end, row, "an element");
     done += n;
@@ -148,13 +167,15 @@ void read_elements(TextCursor& in, bool is_binary, Share share, Parts& parts) {
   parts.n_elements = in.checked_count(in.integer("the number of elements"), 6, "elements");
   (void)in.line();
   in.set_binary(is_binary);
+  const auto own = share.of(parts.n_elements);
+  reserve_array(parts.tetrahedron, static_cast<std::size_t>(own.count()));  // nearly all of them are
+  Elements elements(parts);
   if (is_binary) {
-    read_binary_elements(in, share, parts);
+    read_binary_elements(in, own, parts.n_elements, elements);
     return;
   }
-  const auto own = share.of(parts.n_elements);
   in.skip_lines(own.begin, "an element");
-  for (auto i = own.begin; i < own.end; ++i) read_element_line(in, parts);
+  for (auto i = own.begin; i < own.end; ++i) read_element_line(in, elements);
   in.skip_lines(parts.n_elements - own.end, "an element");
 }
 

@@ -13,6 +13,8 @@
 #include <set>
 #include <utility>
 
+#include "pamr/base/memory.hpp"
+
 namespace pamr::io::gmsh {
 
 namespace {
@@ -89,8 +91,8 @@ void read_nodes(Reader read, Share share, Parts& parts) {
   (void)read.large("the greatest node number");
   read.end_line();
   const auto own = share.of(parts.n_nodes);
-  parts.node_tag.reserve(static_cast<std::size_t>(own.count()));
-  parts.position.reserve(static_cast<std::size_t>(own.count()));
+  reserve_array(parts.node_tag, static_cast<std::size_t>(own.count()));
+  reserve_array(parts.position, static_cast<std::size_t>(own.count()));
   std::int64_t done = 0;
   for (std::int64_t b = 0; b < n_blocks; ++b) {
     const auto dimension = read.small("the dimension of an entity");
@@ -143,6 +145,7 @@ void read_elements(Reader read, Share share, const Groups& groups, Parts& parts)
   (void)read.large("the greatest element number");
   read.end_line();
   const auto own = share.of(parts.n_elements);
+  reserve_array(parts.tetrahedron, static_cast<std::size_t>(own.count()));  // nearly all of them are
   std::int64_t done = 0;
   for (std::int64_t b = 0; b < n_blocks; ++b) {
     const auto dimension = read.small("the dimension of an entity");
