@@ -5,6 +5,7 @@
 #include <numeric>
 #include <utility>
 
+#include "pamr/base/index.hpp"
 #include "pamr/base/memory.hpp"
 #include "pamr/base/sorted_order.hpp"
 
@@ -24,6 +25,7 @@ struct Traveller {
 
 std::vector<std::size_t> find_departing(const std::vector<Rank>& to, Rank here) {
   std::vector<std::size_t> departing;
+  reserve_array(departing, to.size());
   for (std::size_t i = 0; i < to.size(); ++i)
     if (to[i] != here) departing.push_back(i);
   return departing;
@@ -87,26 +89,18 @@ void send_round(const par::Comm& comm, const GlobalCells& from, std::span<const 
         from.field[f].value);
 }
 
-/// Calls `change(array, width)` for every array of the cells.
-template <class Change>
-void for_each_array(GlobalCells& cells, const Contents& contents, Change change) {
-  change(cells.id, 1);
-  change(cells.node, 1);
-  if (contents.has_neighbors) change(cells.neighbor, 1);
-  change(cells.lineage, 1);
-  if (contents.has_origin) change(cells.origin, 1);
-  for (auto& field : cells.field)
-    std::visit([&](auto& values) { change(values, static_cast<std::size_t>(field.n_components)); }, field.value);
-}
-
-/// Rows `order` of an array, in that order.
+/// Rows `order` of two arrays, the second of which counts as standing behind the first, in that order in the first.
 template <class T>
-void select_rows(std::vector<T>& rows, std::size_t width, std::span<const std::size_t> order) {
+void select_rows(std::vector<T>& rows, std::vector<T>& more, std::size_t width, std::span<const std::size_t> order) {
   std::vector<T> selected;
   reserve_array(selected, order.size() * width);
-  for (const auto i : order)
-    for (std::size_t k = 0; k < width; ++k) selected.push_back(rows[i * width + k]);
+  const auto n = rows.size() / width;
+  for (const auto i : order) {
+    const auto* row = i < n ? &rows[i * width] : &more[(i - n) * width];
+    for (std::size_t k = 0; k < width; ++k) selected.push_back(row[k]);
+  }
   rows = std::move(selected);
+  free_array(more);
 }
 
 /// Rows of the cells that stay, then of those that arrived (as if they stood behind all the old ones), by number.
@@ -114,16 +108,17 @@ std::vector<std::size_t> order_by_number(const std::vector<GlobalId>& old_id, co
                                          const std::vector<Rank>& to, Rank here) {
   std::vector<std::size_t> row;
   std::vector<std::uint64_t> id;
+  reserve_array(row, old_id.size() + arrived_id.size());
   for (std::size_t i = 0; i < old_id.size(); ++i)
     if (to[i] == here) row.push_back(i);
   for (std::size_t i = 0; i < arrived_id.size(); ++i) row.push_back(old_id.size() + i);
-  id.reserve(row.size());
+  reserve_array(id, row.size());
   for (const auto i : row)
     id.push_back(static_cast<std::uint64_t>(i < old_id.size() ? old_id[i] : arrived_id[i - old_id.size()]));
   const auto least = id.empty() ? 0 : *std::min_element(id.begin(), id.end());
   for (auto& number : id) number -= least;
   std::vector<std::size_t> result;
-  result.reserve(row.size());
+  reserve_array(result, row.size());
   for (const auto i : sorted_order(id)) result.push_back(row[i]);
   return result;
 }
@@ -131,20 +126,18 @@ std::vector<std::size_t> order_by_number(const std::vector<GlobalId>& old_id, co
 /// Drops the departed cells, adds the arrived ones and puts all in ascending order.
 void merge(GlobalCells& cells, GlobalCells arrived, const std::vector<Rank>& to, Rank here, const Contents& contents) {
   const auto order = order_by_number(cells.id, arrived.id, to, here);
-  const auto append = [&](auto& mine, auto& theirs) {
-    mine.insert(mine.end(), theirs.begin(), theirs.end());
-    theirs = {};
-  };
-  append(cells.id, arrived.id);
-  append(cells.node, arrived.node);
-  append(cells.neighbor, arrived.neighbor);
-  append(cells.lineage, arrived.lineage);
-  append(cells.origin, arrived.origin);
+  const auto select = [&](auto& mine, auto& theirs, std::size_t width) { select_rows(mine, theirs, width, order); };
+  select(cells.id, arrived.id, 1);
+  select(cells.node, arrived.node, 1);
+  if (contents.has_neighbors) select(cells.neighbor, arrived.neighbor, 1);
+  select(cells.lineage, arrived.lineage, 1);
+  if (contents.has_origin) select(cells.origin, arrived.origin, 1);
   for (std::size_t f = 0; f < cells.field.size(); ++f)
     std::visit(
-        [&]<class T>(std::vector<T>& values) { append(values, std::get<std::vector<T>>(arrived.field[f].value)); },
+        [&]<class T>(std::vector<T>& values) {
+          select(values, std::get<std::vector<T>>(arrived.field[f].value), at(cells.field[f].n_components));
+        },
         cells.field[f].value);
-  for_each_array(cells, contents, [&](auto& rows, std::size_t width) { select_rows(rows, width, order); });
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <numeric>
 #include <utility>
 
+#include "pamr/base/memory.hpp"
 #include "pamr/mesh/id_map.hpp"
 #include "pamr/par/exchange.hpp"
 
@@ -65,7 +66,7 @@ Named find_named(const std::vector<std::array<GlobalId, 4>>& cell_to_node) {
       greatest = std::max(greatest, node);
     }
   mesh::IdMap local(least, greatest, cell_to_node.size() / 4);
-  named.corner.reserve(4 * cell_to_node.size());
+  reserve_array(named.corner, 4 * cell_to_node.size());
   for (const auto& nodes : cell_to_node)
     for (const auto node : nodes) {
       const auto next = static_cast<LocalId>(named.node.size());

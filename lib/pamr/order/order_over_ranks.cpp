@@ -110,7 +110,7 @@ void renumber_neighbors(const par::Comm& comm, mesh::BlockMesh& block, const std
 std::vector<GlobalId> move_cells(const par::Comm& comm, mesh::BlockMesh& block, std::vector<GlobalId> place,
                                  std::vector<GlobalId> id, const assemble::Contents& contents) {
   std::vector<Rank> to;
-  to.reserve(place.size());
+  reserve_array(to, place.size());
   for (const auto number : place) to.push_back(par::block_of(number, block.info.cell_ids(), comm.size()));
   auto cells = assemble::take_cells(block, contents);
   cells.id = std::move(place);

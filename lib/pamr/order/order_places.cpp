@@ -43,7 +43,7 @@ std::vector<GlobalId> places_along_curve(const par::Comm& comm, const mesh::Bloc
                                          std::span<const std::uint64_t> key) {
   const auto order = sorted_order(key);
   std::vector<Stop> stops;
-  stops.reserve(order.size());
+  reserve_array(stops, order.size());
   for (const auto c : order) stops.push_back({key[c], block.first_cell + static_cast<GlobalId>(c)});
   const auto borders = choose_borders(comm, block.info.n_global_cells, stops);
 
@@ -59,11 +59,12 @@ std::vector<GlobalId> places_along_curve(const par::Comm& comm, const mesh::Bloc
   // Equal keys arrive in order of their cells: ranks ascend, and with them the cells' numbers.
   const auto arrived = comm.sparse_exchange(parts);
   std::vector<std::uint64_t> keys;
-  keys.reserve(arrived.item.size());
+  reserve_array(keys, arrived.item.size());
   for (const auto& stop : arrived.item) keys.push_back(stop.key);
   const auto first = block.info.first_id + comm.exclusive_sum(static_cast<std::int64_t>(keys.size()));
   const auto sorted = sorted_order(keys);
-  std::vector<GlobalId> place(keys.size());
+  std::vector<GlobalId> place;
+  assign_array(place, keys.size(), GlobalId{0});
   for (std::size_t i = 0; i < sorted.size(); ++i) place[sorted[i]] = first + static_cast<GlobalId>(i);
 
   std::vector<par::Outgoing<GlobalId>> answers;
@@ -73,7 +74,9 @@ std::vector<GlobalId> places_along_curve(const par::Comm& comm, const mesh::Bloc
                         place.begin() + static_cast<std::ptrdiff_t>(arrived.offset[r + 1])}});
   const auto answered = comm.sparse_exchange(answers);
   PAMR_ENSURES(answered.item.size() == order.size());
-  std::vector<GlobalId> result(order.size());  // the parts, ranks ascending, are the sorted cells from front to back
+  std::vector<GlobalId> result;
+  assign_array(result, order.size(), GlobalId{0});
+  // the parts, ranks ascending, are the sorted cells from front to back
   for (std::size_t i = 0; i < order.size(); ++i) result[order[i]] = answered.item[i];
   return result;
 }

@@ -17,6 +17,7 @@
 
 #include "pamr/base/contract.hpp"
 #include "pamr/base/exact.hpp"
+#include "pamr/base/memory.hpp"
 #include "pamr/base/timer.hpp"
 #include "pamr/base/types.hpp"
 
@@ -205,7 +206,7 @@ Received<T> Comm::sparse_exchange(const std::vector<Outgoing<T>>& messages) cons
   Received<T> result;
   std::size_t total = 0;
   for (const auto& message : arrived) total += message.data.size() / sizeof(T);
-  result.item.reserve(total);
+  reserve_array(result.item, total);
   for (auto& message : arrived) {
     if (result.rank.empty() || result.rank.back() != message.rank) {
       result.rank.push_back(message.rank);

@@ -25,7 +25,7 @@ inline std::vector<Outgoing<std::size_t>> group_by_block(IdRange all, Rank size,
     if (c == 0) continue;
     group_of[static_cast<std::size_t>(r)] = groups.size();
     groups.push_back({r, {}});
-    groups.back().item.reserve(c);
+    reserve_array(groups.back().item, c);
   }
   if (groups.empty()) return groups;
   for (std::size_t i = 0; i < ids.size(); ++i)
@@ -54,7 +54,7 @@ std::vector<T> fetch_rows(const Comm& comm, IdRange all, std::span<const T> rows
   std::vector<Outgoing<GlobalId>> questions;
   for (const auto& group : groups) {
     questions.push_back({group.to, {}});
-    questions.back().item.reserve(group.item.size());
+    reserve_array(questions.back().item, group.item.size());
     for (const auto i : group.item) questions.back().item.push_back(ids[i]);
   }
   const auto asked = comm.sparse_exchange(questions);
@@ -62,7 +62,7 @@ std::vector<T> fetch_rows(const Comm& comm, IdRange all, std::span<const T> rows
   for (std::size_t r = 0; r < asked.rank.size(); ++r) {
     answers.push_back({asked.rank[r], {}});
     auto& out = answers.back().item;
-    out.reserve(asked.from(r).size() * width);
+    reserve_array(out, asked.from(r).size() * width);
     for (const auto id : asked.from(r)) {
       const auto row = rows.subspan(static_cast<std::size_t>(id - own.begin) * width, width);
       out.insert(out.end(), row.begin(), row.end());
@@ -102,8 +102,8 @@ void scatter_rows_into(const Comm& comm, IdRange all, std::span<const T> rows, s
   for (const auto& group : detail::group_by_block(all, comm.size(), ids, own)) {
     to_ids.push_back({group.to, {}});
     to_rows.push_back({group.to, {}});
-    to_ids.back().item.reserve(group.item.size());
-    to_rows.back().item.reserve(group.item.size() * width);
+    reserve_array(to_ids.back().item, group.item.size());
+    reserve_array(to_rows.back().item, group.item.size() * width);
     for (const auto i : group.item) {
       to_ids.back().item.push_back(ids[i]);
       const auto row = rows.subspan(i * width, width);
