@@ -917,7 +917,9 @@ def test_several_parts_in_a_file_are_refused():
             ("zones.su2", "NZONE= 2\nIZONE= 1\n" + SU2, "expected one zone, found 2"),
             ("halo.su2", SU2.replace("NPOIN= 4", "NPOIN= 4 3"), "expected a mesh in one part with 4 points of its own, found 3"),
             ("blocks.mesh", MEDIT.replace("End", "Tetrahedra\n1\n1 2 3 4 8\nEnd"), "expected Tetrahedra once, found it again"),
-            ("blocks.msh", MSH + NODES + ELEMENTS, "expected every node number once, found 1 twice")):
+            ("twice.msh", HEAD + "$Nodes\n8\n1 0 0 0\n2 1 0 0\n3 0 1 0\n7 0 0 1\n5 0 0 2\n5 0 0 3\n7 0 0 4\n8 0 0 5\n$EndNodes\n" + ELEMENTS,
+             "expected every node number once, found 7 twice"),
+            ("blocks.msh", MSH + NODES + ELEMENTS, "expected each section once, found $Nodes again")):
         assert words in error_of(lambda: pamr.Mesh.read(COMM, write(name, text))), (name, error_of(lambda: pamr.Mesh.read(COMM, name)))
     assert pamr.Mesh.read(COMM, write("own.su2", SU2.replace("NPOIN= 4", "NPOIN= 4 4"))).n_cells == 1
 

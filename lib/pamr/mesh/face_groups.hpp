@@ -52,31 +52,22 @@ inline std::uint64_t border_word(const DistMesh& mesh, std::size_t k, bool is_lo
 }
 
 /// The faces of this rank's cells grouped by their nodes, found through the faces at each smallest node: 4 bytes a face
-/// and 8 a node. Local; O(cells).
+/// and 8 a node. Local; O(cells log(faces at a node)).
 class FaceGroups {
  public:
   explicit FaceGroups(const DistMesh& mesh);
 
   /// Calls `visit(span<const CellFace>)` for each set of faces with the same three nodes, ascending in cell and slot;
-  /// sets in order of their smallest nodes (local numbers), and at one node of their first faces.
+  /// sets in order of their local nodes.
   template <class Visit>
   void for_each(Visit&& visit) const;
 
  private:
-  /// Faces with the same nodes; of more than two the first two.
-  struct Group {
-    std::uint64_t others = 0;  // the middle and the largest of its nodes
-    std::uint32_t n = 0;
-    std::array<std::uint32_t, 2> from{};
+  struct FaceAtNode {
+    std::uint64_t others = 0;  // the middle and the largest of its nodes, which have the smallest in common
+    std::uint32_t from = 0;
   };
-  /// The groups at one smallest node.
-  struct AtNode {
-    std::vector<Group> group;
-    std::vector<std::array<std::uint32_t, 2>> more;  // groups and their third and further faces, ascending
-    std::vector<std::uint32_t> table;                // by hash: a number of a group, counted from 1, or 0
-  };
-  void collect(std::size_t node, AtNode& found) const;
-  static CellFace face_of(std::uint32_t from) { return {static_cast<LocalId>(from / 4), static_cast<int>(from % 4)}; }
+  void collect(std::size_t node, std::vector<FaceAtNode>& faces) const;
 
   const DistMesh* mesh_;
   std::vector<std::size_t> offset_;  // faces of node n: from_[offset_[n] .. offset_[n+1])
@@ -85,21 +76,15 @@ class FaceGroups {
 
 template <class Visit>
 void FaceGroups::for_each(Visit&& visit) const {
-  AtNode found;
-  std::vector<CellFace> many;
+  std::vector<FaceAtNode> faces;
+  std::vector<CellFace> group;
   for (std::size_t node = 0; node + 1 < offset_.size(); ++node) {
-    collect(node, found);
-    auto more = found.more.begin();
-    for (std::uint32_t g = 0; g < found.group.size(); ++g) {
-      const auto& group = found.group[g];
-      const std::array<CellFace, 2> pair{face_of(group.from[0]), face_of(group.from[1])};
-      if (group.n <= pair.size()) {
-        visit(std::span(pair).first(group.n));
-        continue;
-      }
-      many.assign(pair.begin(), pair.end());
-      for (; more != found.more.end() && (*more)[0] == g; ++more) many.push_back(face_of((*more)[1]));
-      visit(std::span<const CellFace>(many));
+    collect(node, faces);
+    for (std::size_t begin = 0, end = 0; begin < faces.size(); begin = end) {
+      group.clear();
+      for (; end < faces.size() && faces[end].others == faces[begin].others; ++end)
+        group.push_back({static_cast<LocalId>(faces[end].from / 4), static_cast<int>(faces[end].from % 4)});
+      visit(std::span<const CellFace>(group));
     }
   }
 }

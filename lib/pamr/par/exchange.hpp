@@ -140,9 +140,9 @@ template <class T>
 std::vector<T> fetch_rows(const Comm& comm, IdRange all, std::span<const T> rows, Exact<std::size_t> width,
                           std::span<const GlobalId> ids);
 
-/// The reverse: sends row `i` of `rows` to the block that holds row `ids[i]` of `all` and returns this rank's block.
-/// Rows given by several ranks must be equal; rows given by none are value-initialized. Collective: two sparse
-/// exchanges.
+/// The reverse: sends row `i` of `rows` to the block that holds row `ids[i]` of `all` and returns this rank's block. Of
+/// rows given more than once the last counts, ranks ascending; rows given by none are value-initialized. Collective:
+/// two sparse exchanges.
 template <class T>
 std::vector<T> scatter_rows(const Comm& comm, IdRange all, std::span<const T> rows, Exact<std::size_t> width,
                             std::span<const GlobalId> ids);

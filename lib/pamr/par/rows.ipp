@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <utility>
 
 #include "pamr/base/contract.hpp"
 #include "pamr/base/memory.hpp"
@@ -112,13 +113,19 @@ void scatter_rows_into(const Comm& comm, IdRange all, std::span<const T> rows, s
   }
   const auto at = comm.sparse_exchange(to_ids);
   const auto values = comm.sparse_exchange(to_rows);
-  for (std::size_t i = 0; i < ids.size(); ++i)
-    if (own.contains(ids[i])) detail::copy_row<T>(rows, i, block, static_cast<std::size_t>(ids[i] - own.begin), width);
+  const auto copy_own = [&] {
+    for (std::size_t i = 0; i < ids.size(); ++i)
+      if (own.contains(ids[i]))
+        detail::copy_row<T>(rows, i, block, static_cast<std::size_t>(ids[i] - own.begin), width);
+  };
+  bool is_own_done = false;
   for (std::size_t r = 0; r < at.rank.size(); ++r) {
+    if (at.rank[r] > comm.rank() && !std::exchange(is_own_done, true)) copy_own();
     const auto n = values.from(r).size() / at.from(r).size();  // this rank may have no rows of its own to tell
     for (std::size_t k = 0; k < at.from(r).size(); ++k)
       detail::copy_row<T>(values.from(r), k, block, static_cast<std::size_t>(at.from(r)[k] - own.begin), n);
   }
+  if (!is_own_done) copy_own();
 }
 
 }  // namespace pamr::par

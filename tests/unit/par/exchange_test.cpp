@@ -361,6 +361,25 @@ TEST(ScatterRows, AcceptsEqualRowsFromSeveralRanksAndLeavesTheRestZero) {
   EXPECT_EQ(block, std::vector<double>(expected.begin() + range.begin, expected.begin() + range.end));
 }
 
+TEST(ScatterRows, KeepsTheRowOfTheHighestRank) {
+  const Comm comm(MPI_COMM_WORLD);
+  const GlobalId n = 30;
+  std::vector<GlobalId> ids;  // rank 0 gives all, the others some
+  for (GlobalId i = 0; i < n; ++i)
+    if (i % (comm.rank() + 1) == 0) ids.push_back(i);
+  const std::vector<Rank> rows(ids.size(), comm.rank());
+
+  const auto block = scatter_rows<Rank>(comm, n, rows, 1, ids);
+
+  const auto range = block_range(n, comm.rank(), comm.size());
+  for (auto i = range.begin; i < range.end; ++i) {
+    Rank highest = 0;
+    for (Rank r = 0; r < comm.size(); ++r)
+      if (i % (r + 1) == 0) highest = r;
+    EXPECT_EQ(block[static_cast<std::size_t>(i - range.begin)], highest) << i;
+  }
+}
+
 TEST(InRounds, CoverEveryItemOnceAndCallEveryRankEquallyOften) {
   const Comm comm(MPI_COMM_WORLD);
   for (const std::size_t most : {1, 4, 100}) {

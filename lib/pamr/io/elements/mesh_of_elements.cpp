@@ -9,7 +9,6 @@
 #include <optional>
 #include <set>
 #include <utility>
-#include <variant>
 #include <vector>
 
 #include "pamr/assemble/assemble.hpp"
@@ -81,8 +80,12 @@ void refuse_what_does_not_fit(const par::Comm& comm, const ElementParts& parts, 
 /// tetrahedra that have a name. Collective.
 std::vector<std::array<std::int64_t, 2>> all_groups(const par::Comm& comm, const ElementParts& parts) {
   std::set<std::array<std::int64_t, 2>> here;
-  for (const auto& triangle : parts.triangle) here.insert({2, triangle.group});
-  std::optional<std::int64_t> last;  // long runs of cells are in one group
+  std::optional<std::int64_t> last;  // long runs are in one group
+  for (const auto& triangle : parts.triangle) {
+    if (last != triangle.group) here.insert({2, triangle.group});
+    last = triangle.group;
+  }
+  last.reset();
   const auto add_region = [&](std::int64_t group) {
     if (last == group) return;
     last = group;

@@ -98,6 +98,7 @@ auto nodes_of(const std::vector<Item>& items) {
 /// All numbers in one row.
 template <std::size_t n>
 std::span<GlobalId> flat(std::vector<std::array<GlobalId, n>>& items) {
+  static_assert(sizeof(std::array<GlobalId, n>) == n * sizeof(GlobalId));
   return {reinterpret_cast<GlobalId*>(items.data()), n * items.size()};
 }
 
@@ -106,7 +107,7 @@ template <class T>
 std::vector<T> chosen_rows(const par::Comm& comm, GlobalId n, const std::vector<T>& all, std::size_t width,
                            const std::vector<std::size_t>& rows, const std::vector<GlobalId>& new_number) {
   std::vector<T> chosen;
-  chosen.reserve(rows.size() * width);
+  reserve_array(chosen, rows.size() * width);
   for (const auto row : rows)
     for (std::size_t k = 0; k < width; ++k) chosen.push_back(all[row * width + k]);
   return par::scatter_rows<T>(comm, n, chosen, width, new_number);
@@ -120,6 +121,7 @@ Numbered number_elements(const par::Comm& comm, ElementParts& parts, const std::
   result.triangle = nodes_of(parts.triangle);
   {
     const NodeTable table(comm, parts, source);
+    free_array(parts.node_tag);
     table.translate(flat(result.cell));
     table.translate(flat(result.triangle));
   }
@@ -142,8 +144,11 @@ Numbered number_elements(const par::Comm& comm, ElementParts& parts, const std::
   if (result.n_dropped == 0) return result;
 
   auto next = comm.exclusive_sum(n_used);
-  std::vector<GlobalId> new_number(is_used.size(), -1), kept;
+  std::vector<GlobalId> new_number, kept;
   std::vector<std::size_t> rows;
+  assign_array(new_number, is_used.size(), GlobalId{-1});
+  reserve_array(kept, static_cast<std::size_t>(n_used));
+  reserve_array(rows, static_cast<std::size_t>(n_used));
   for (std::size_t i = 0; i < is_used.size(); ++i)
     if (is_used[i] != 0) {
       new_number[i] = next++;

@@ -25,9 +25,10 @@ struct Numbered {
   std::int64_t n_dropped = 0;
 };
 
-/// Finds the nodes that the elements of a file name by the numbers that it gives them, leaves out those that no cell has
-/// and closes the gaps. Takes positions and fields of `parts`. Throws `Error`, which begins with `source`, for a number
-/// that no node has or two have. `with_origin`: fill `origin`. Collective.
+/// Finds the nodes that the elements of a file name by the numbers that it gives them, leaves out those that no cell
+/// has, which are -1 in triangles, and closes the gaps. Takes numbers, positions and fields of the nodes out of `parts`.
+/// Throws `Error`, which begins with `source`, where there is no node, the numbers have wide gaps or are negative, two
+/// nodes have the same, or an element names one that no node has. `with_origin`: fill `origin`. Collective.
 Numbered number_elements(const par::Comm& comm, ElementParts& parts, const std::string& source, bool with_origin);
 
 }  // namespace pamr::io

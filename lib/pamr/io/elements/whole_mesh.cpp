@@ -41,8 +41,9 @@ void check(WholeMesh& mesh) {
   require_rows(mesh.triangle, "triangle");
   if (mesh.tag.empty()) mesh.patch_of_tag.clear();
   for (const auto tag : mesh.tag)
-    mesh.patch_of_tag.emplace(
-        tag, mesh::Patch{.name = fmt::format("patch_{}", tag), .kind = "", .number = std::max<std::int64_t>(tag, -1)});
+    if (!mesh.patch_of_tag.contains(tag))
+      mesh.patch_of_tag[tag] = {
+          .name = fmt::format("patch_{}", tag), .kind = "", .number = std::max<std::int64_t>(tag, -1)};
   std::set<std::string> seen;
   for (const auto& [tag, patch] : mesh.patch_of_tag) {
     require_clean_name(fmt::format("patch {}", tag), patch.name);

@@ -6,12 +6,19 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "pamr/base/memory.hpp"
+
 namespace pamr::io::gmsh {
 
 void keep_link(Parts& parts, std::int64_t dimension, std::int64_t entity, std::int64_t master) {
   if (dimension != 2) return;
   ++parts.n_periodic_links;
   parts.linked_surfaces.insert({entity, master});
+}
+
+void make_room(const TextCursor& in, Parts& parts, std::int64_t n) {
+  constexpr std::size_t bytes_of_element = 20;  // all but the shortest lines
+  reserve_array(parts.tetrahedron, std::min(static_cast<std::size_t>(n), in.remaining() / bytes_of_element));
 }
 
 void read_group_names(TextCursor& in, Parts& parts) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <set>
 #include <string>
 #include <string_view>
 
@@ -17,9 +18,10 @@ namespace pamr::io::gmsh {
 using Parts = ElementParts;
 
 /// Runs through the sections: calls `read(name)` at each `$Name`, which returns whether it has read the section up to
-/// its end line; the others are passed over, and counted in `parts.left_out`.
+/// its end line; the others are passed over, and counted in `parts.left_out`. Refuses one that is read twice.
 template <class Read>
 void for_each_section(TextCursor& in, Parts& parts, Read&& read) {
+  std::set<std::string> seen;
   while (!in.at_end()) {
     const auto name = in.line();
     if (name.empty() || name.front() != '$') continue;
@@ -29,6 +31,8 @@ void for_each_section(TextCursor& in, Parts& parts, Read&& read) {
       if (name != "$MeshFormat" && name != "$Comments") ++parts.left_out[std::string(name)];
       continue;
     }
+    if (!seen.insert(name == "$ParametricNodes" ? "$Nodes" : std::string(name)).second)
+      in.fail("each section once", std::string(name) + " again");
     for (;;) {
       if (in.at_end()) in.fail(end, "the end of the file");
       const auto line = in.line();
@@ -37,6 +41,9 @@ void for_each_section(TextCursor& in, Parts& parts, Read&& read) {
     }
   }
 }
+
+/// Makes room for the tetrahedra of a share of `n` elements: nearly all of them are. No more than the file can have.
+void make_room(const TextCursor& in, Parts& parts, std::int64_t n);
 
 /// Reads `$PhysicalNames`. Where the lines have no dimension, as before version 2.1, names stand under
 /// `unknown_dimension`.

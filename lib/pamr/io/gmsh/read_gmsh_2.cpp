@@ -168,7 +168,7 @@ void read_elements(TextCursor& in, bool is_binary, Share share, Parts& parts) {
   (void)in.line();
   in.set_binary(is_binary);
   const auto own = share.of(parts.n_elements);
-  reserve_array(parts.tetrahedron, static_cast<std::size_t>(own.count()));  // nearly all of them are
+  make_room(in, parts, own.count());
   Elements elements(parts);
   if (is_binary) {
     read_binary_elements(in, own, parts.n_elements, elements);

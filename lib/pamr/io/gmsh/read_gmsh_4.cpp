@@ -145,7 +145,7 @@ void read_elements(Reader read, Share share, const Groups& groups, Parts& parts)
   (void)read.large("the greatest element number");
   read.end_line();
   const auto own = share.of(parts.n_elements);
-  reserve_array(parts.tetrahedron, static_cast<std::size_t>(own.count()));  // nearly all of them are
+  make_room(read.in(), parts, own.count());
   std::int64_t done = 0;
   for (std::int64_t b = 0; b < n_blocks; ++b) {
     const auto dimension = read.small("the dimension of an entity");

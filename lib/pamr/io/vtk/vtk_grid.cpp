@@ -148,9 +148,9 @@ void name_patches(const GridArray& tags, WholeMesh& mesh) {
   const auto* known =
       std::find_if(tag_arrays.begin(), tag_arrays.end(), [&](const auto& t) { return t.name == tags.name; });
   for (const auto tag : mesh.tag)
-    mesh.patch_of_tag.emplace(tag, mesh::Patch{.name = fmt::format("{}{}", known->prefix, tag),
-                                               .kind = "",
-                                               .number = std::max<std::int64_t>(tag, -1)});
+    if (!mesh.patch_of_tag.contains(tag))
+      mesh.patch_of_tag[tag] = {
+          .name = fmt::format("{}{}", known->prefix, tag), .kind = "", .number = std::max<std::int64_t>(tag, -1)};
 }
 
 /// What is said of an array that is no field.
