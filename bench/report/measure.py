@@ -6,6 +6,8 @@ import dataclasses
 import json
 import math
 import os
+import pathlib
+import shlex
 import signal
 import statistics
 import subprocess
@@ -31,6 +33,12 @@ def output_of(command, environment=None):
     if was_ended:
         raise Failed(f"not done after {MAX_SECONDS} s")
     return text
+
+
+def warm_memory():
+    """Before a run whose memory the host may have taken back (bench/warm_memory.sh)."""
+    folder = pathlib.Path(__file__).resolve().parent.parent
+    output_of(["bash", "-c", f". {shlex.quote(str(folder / 'warm_memory.sh'))}; warm_memory"])
 
 
 def checked(text, errors, code):

@@ -10,7 +10,7 @@ import statistics
 import sys
 
 import rows
-from measure import Failed, Work, line_of_json, load, output_of
+from measure import Failed, Work, line_of_json, load, output_of, warm_memory
 from tool_tables import cad_table, file_table, sparta_table
 
 HERE = pathlib.Path(__file__).resolve().parent
@@ -211,7 +211,9 @@ def read_table(context):
         try:
             for _ in context.bench.turns():
                 limits.append(context.bench.limit())
+                warm_memory()
                 ours.append(json.loads(output_of(our_command, context.environment)))
+                warm_memory()
                 text = output_of(command, environment)
                 runs.append(line_of_json(text))
         except Failed as error:

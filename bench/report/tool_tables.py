@@ -10,7 +10,7 @@ import sys
 import time
 
 import rows
-from measure import Failed, line_of_json, load, output_of
+from measure import Failed, line_of_json, load, output_of, warm_memory
 
 BENCH = pathlib.Path(__file__).resolve().parents[1]
 PARTS = BENCH.parent / "tests/unit/geometry/data"
@@ -18,7 +18,7 @@ CAD_HEAD = (
     "part | edges | code | cells | CPU s | theirs / ours: CPU s | a cell | smallest mean ratio | mean | `limit` | "
     "load | runs"
 ).split(" | ")
-FILE_HEAD = "step | wall s | CPU s".split(" | ")
+FILE_HEAD = "step | wall s | CPU s | wall s on two ranks | CPU s of the slower".split(" | ")
 
 
 def cpu_of(command, environment):
@@ -139,32 +139,33 @@ def file_table(context):
         [tools / "pamr-mark", start, "-o", marked, "--centroid-shell", "0.5,0.5,0.5,0.35,0.06", "--force", "--quiet"],
         context.environment,
     )
-    runs, copies = [], []
+    command = [tools / "pamr-refine", marked, "-o", fine, "--force", "--quiet", "--json", "-"]
+    alone, of_two, copies = [], [], []
     for _ in range(context.bench.repeats):
-        began = time.monotonic()
-        text, cpu = cpu_of(
-            [tools / "pamr-refine", marked, "-o", fine, "--force", "--quiet", "--json", "-"], context.environment
-        )
-        runs.append((time.monotonic() - began, cpu, json.loads(text)))
+        for launcher, runs in ([], alone), (["mpirun", "-n", "2"], of_two):
+            warm_memory()
+            began = time.monotonic()
+            text, cpu = cpu_of([*launcher, *command], context.environment)
+            runs.append((time.monotonic() - began, cpu, json.loads(text)))
         began = time.monotonic()
         shutil.copyfile(fine, copy)
         copies.append(time.monotonic() - began)
-    columns = ("seconds", "cpu_seconds")
 
     def row(step, name):
-        return [name, *(rows.number(statistics.median(run[2][key][step]["max"] for run in runs)) for key in columns)]
+        columns = [(runs, key) for runs in (alone, of_two) for key in ("seconds", "cpu_seconds")]
+        return [name, *(rows.number(statistics.median(run[2][key][step]["max"] for run in runs)) for runs, key in columns)]
 
-    found = [row(step, step) for step in runs[0][2]["seconds"] if step != "total"]
+    found = [row(step, step) for step in alone[0][2]["seconds"] if step != "total"]
     found.append(row("total", "all steps"))
-    found.append(["the process", *(rows.number(statistics.median(run[i] for run in runs)) for i in (0, 1))])
-    found.append(["copying the file", rows.number(statistics.median(copies)), "-"])
+    found.append(["the process", *(rows.number(statistics.median(run[i] for run in alone)) for i in (0, 1)), "-", "-"])
+    found.append(["copying the file", rows.number(statistics.median(copies)), "-", "-", "-"])
     size = fine.stat().st_size
     for file in (start, marked, fine, copy):
         file.unlink()
-    report = runs[0][2]
+    report = alone[0][2]
     return [
-        f"`pamr-refine` from {report['cells_in']:,} cells to {report['cells_out']:,}, a file of {size / 1e6:.0f} MB, one "
-        "rank.",
+        f"`pamr-refine` from {report['cells_in']:,} cells to {report['cells_out']:,}, a file of {size / 1e6:.0f} MB, on "
+        "one rank and on two.",
         "",
         *rows.table(FILE_HEAD, found),
     ]
