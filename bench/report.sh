@@ -6,7 +6,7 @@
 #
 #   bench/report.sh [BUILD] [options]    BUILD: folder with the benchmarks (default build/release)
 #
-#   --quick             smaller meshes: a quarter of an hour on two quiet cores (the whole: 100 minutes)
+#   --quick             smaller meshes: a quarter of an hour on two quiet cores (the whole: an hour and a half)
 #   --tiny              tiny ones, which show that all this works
 #   --table NAME        this table; may be repeated (default all)
 #   --list              names the tables, and the pages that hold them

@@ -36,7 +36,7 @@ def output_of(command, environment=None):
 
 
 def warm_memory():
-    """Before a run whose memory the host may have taken back (bench/warm_memory.sh)."""
+    """Allocates and frees memory, so that the host returns what it has reclaimed before a run, not during it."""
     folder = pathlib.Path(__file__).resolve().parent.parent
     output_of(["bash", "-c", f". {shlex.quote(str(folder / 'warm_memory.sh'))}; warm_memory"])
 

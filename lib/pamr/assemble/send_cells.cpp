@@ -89,7 +89,7 @@ void send_round(const par::Comm& comm, const GlobalCells& from, std::span<const 
         from.field[f].value);
 }
 
-/// Rows `order` of two arrays, the second of which counts as standing behind the first, in that order in the first.
+/// Replaces `rows` by the rows that `order` names: numbers beyond the last of `rows` mean rows of `more`, which is freed.
 template <class T>
 void select_rows(std::vector<T>& rows, std::vector<T>& more, std::size_t width, std::span<const std::size_t> order) {
   std::vector<T> selected;

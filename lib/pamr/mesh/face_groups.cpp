@@ -39,7 +39,7 @@ void FaceGroups::collect(std::size_t node, std::vector<FaceAtNode>& faces) const
   faces.clear();
   for (auto i = offset_[node]; i < offset_[node + 1]; ++i) {
     const auto [a, b, c] = nodes_of(*mesh_, from_[i]);
-    const auto least = std::min(a, std::min(b, c)), most = std::max(a, std::max(b, c));  // no branch to guess
+    const auto least = std::min(a, std::min(b, c)), most = std::max(a, std::max(b, c));  // no branches to mispredict
     const auto middle = a ^ b ^ c ^ least ^ most;
     faces.push_back({static_cast<std::uint64_t>(middle) << 32U | static_cast<std::uint64_t>(most), from_[i]});
   }

@@ -177,7 +177,7 @@ inline BlockRange block_range(IdRange ids, Exact<Rank> rank, Exact<Rank> size) {
   const GlobalId begin = ids.first + rank * quotient + std::min<GlobalId>(rank, remainder);
   return {begin, begin + quotient + (rank < remainder ? 1 : 0)};
 }
-/// The block that holds item `id`. Asked for each of many items; what does not depend on `id` leaves the loop.
+/// The block that holds item `id`. Inline, so that a loop over many items divides by the number of blocks only once.
 inline Rank block_of(Exact<GlobalId> id, IdRange ids, Exact<Rank> size) {
   PAMR_EXPECTS(ids.contains(id));
   const GlobalId quotient = ids.n / size, remainder = ids.n % size;

@@ -95,7 +95,7 @@ auto nodes_of(const std::vector<Item>& items) {
   return nodes;
 }
 
-/// All numbers in one row.
+/// The node numbers of all items as one span.
 template <std::size_t n>
 std::span<GlobalId> flat(std::vector<std::array<GlobalId, n>>& items) {
   static_assert(sizeof(std::array<GlobalId, n>) == n * sizeof(GlobalId));

@@ -42,7 +42,8 @@ void for_each_section(TextCursor& in, Parts& parts, Read&& read) {
   }
 }
 
-/// Makes room for the tetrahedra of a share of `n` elements: nearly all of them are. No more than the file can have.
+/// Reserves memory for the tetrahedra in a share of `n` elements, nearly all of which are tetrahedra, but not for more
+/// than the rest of the file can hold.
 void make_room(const TextCursor& in, Parts& parts, std::int64_t n);
 
 /// Reads `$PhysicalNames`. Where the lines have no dimension, as before version 2.1, names stand under

@@ -85,7 +85,7 @@ std::int64_t group_of(std::int64_t physical, std::int64_t entity) {
 
 using Nodes = std::array<std::int64_t, max_nodes>;
 
-/// Takes elements one after another, long runs of which are of one type and in one group.
+/// Keeps elements in the order of the file. Groups are looked up only where the type or the tags change.
 class Elements {
  public:
   explicit Elements(Parts& parts) : parts_(&parts) {}
