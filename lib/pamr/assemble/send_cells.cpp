@@ -140,8 +140,7 @@ void merge(GlobalCells& cells, GlobalCells arrived, const std::vector<Rank>& to,
         cells.field[f].value);
 }
 
-}  // namespace
-
+/// The cells of the block, taken out of it, with their numbers; lineage is made where there is none.
 GlobalCells take_cells(mesh::BlockMesh& block, const Contents& contents) {
   GlobalCells cells;
   const auto n = block.cell_to_node.size();
@@ -151,14 +150,18 @@ GlobalCells take_cells(mesh::BlockMesh& block, const Contents& contents) {
   cells.origin = std::exchange(block.cell_origin, {});
   if (!contents.has_lineage) cells.lineage.resize(n);
   cells.field = std::exchange(block.cell_fields, {});
+  reserve_array(cells.id, n);
+  cells.id.resize(n);
+  std::iota(cells.id.begin(), cells.id.end(), block.first_cell);
   return cells;
 }
 
+/// Sends the cells to the ranks `to`; what is then here ascends. Collective.
 void exchange_cells(const par::Comm& comm, GlobalCells& cells, const std::vector<Rank>& to, const Contents& contents) {
   const auto departing = find_departing(to, comm.rank());
   const auto rounds = static_cast<std::size_t>(
       comm.max(static_cast<std::int64_t>((departing.size() + cells_of_round - 1) / cells_of_round)));
-  if (rounds == 0 && std::is_sorted(cells.id.begin(), cells.id.end())) return;
+  if (rounds == 0) return;
 
   GlobalCells arrived;
   for (const auto& field : cells.field) {
@@ -174,12 +177,11 @@ void exchange_cells(const par::Comm& comm, GlobalCells& cells, const std::vector
   merge(cells, std::move(arrived), to, comm.rank(), contents);
 }
 
+}  // namespace
+
 GlobalCells send_cells(const par::Comm& comm, mesh::BlockMesh& block, const std::vector<Rank>& to,
                        const Contents& contents) {
   auto cells = take_cells(block, contents);
-  reserve_array(cells.id, cells.node.size());
-  cells.id.resize(cells.node.size());
-  std::iota(cells.id.begin(), cells.id.end(), block.first_cell);
   exchange_cells(comm, cells, to, contents);
   return cells;
 }

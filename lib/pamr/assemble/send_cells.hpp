@@ -20,13 +20,6 @@ struct GlobalCells {
   std::vector<mesh::CellField> field;
 };
 
-/// The cells of the block, taken out of it, without numbers; lineage is made where there is none. Local.
-GlobalCells take_cells(mesh::BlockMesh& block, const Contents& contents);
-
-/// Sends the cells, which have their numbers in any order, to the ranks `to`, in rounds of at most 2^17 cells a rank;
-/// what is then here ascends. Collective.
-void exchange_cells(const par::Comm& comm, GlobalCells& cells, const std::vector<Rank>& to, const Contents& contents);
-
 /// Sends the cells to their ranks, in rounds of at most 2^17 cells a rank. Takes the cells out of the block.
 /// Collective.
 GlobalCells send_cells(const par::Comm& comm, mesh::BlockMesh& block, const std::vector<Rank>& to,

@@ -2,6 +2,7 @@
 #include "pamr/order/order_nodes.hpp"
 
 #include <algorithm>
+#include <array>
 #include <numeric>
 #include <utility>
 
@@ -21,27 +22,33 @@ struct Claims {
 
 /// Collective: two sparse exchanges.
 Claims claim(const par::Comm& comm, IdRange nodes, const std::vector<GlobalId>& named) {
-  const auto groups = par::detail::group_by_block(nodes, comm.size(), named);
+  const auto block = par::block_range(nodes, comm.rank(), comm.size());
+  const auto groups = par::detail::group_by_block(nodes, comm.size(), named, block);
   std::vector<par::Outgoing<GlobalId>> questions;
   for (const auto& group : groups) {
     questions.push_back({group.to, {}});
     for (const auto i : group.item) questions.back().item.push_back(named[i]);
   }
   const auto asked = comm.sparse_exchange(questions);
-  const auto block = par::block_range(nodes, comm.rank(), comm.size());
   Claims claims;
   claims.is_named.assign(static_cast<std::size_t>(block.count()), 0);
+  claims.is_first.assign(named.size(), 0);
+  const auto claim_node = [&](GlobalId node) {
+    return std::exchange(claims.is_named[static_cast<std::size_t>(node - block.begin)], 1) == 0 ? char{1} : char{0};
+  };
+  const auto claim_own = [&] {
+    for (std::size_t i = 0; i < named.size(); ++i)
+      if (block.contains(named[i])) claims.is_first[i] = claim_node(named[i]);
+  };
+  bool are_own_done = false;
   std::vector<par::Outgoing<char>> answers;
   for (std::size_t r = 0; r < asked.rank.size(); ++r) {  // ranks ascend
+    if (asked.rank[r] > comm.rank() && !std::exchange(are_own_done, true)) claim_own();
     answers.push_back({asked.rank[r], {}});
-    for (const auto node : asked.from(r)) {
-      auto& is_named = claims.is_named[static_cast<std::size_t>(node - block.begin)];
-      answers.back().item.push_back(is_named == 0 ? 1 : 0);
-      is_named = 1;
-    }
+    for (const auto node : asked.from(r)) answers.back().item.push_back(claim_node(node));
   }
+  if (!are_own_done) claim_own();
   const auto answered = comm.sparse_exchange(answers);
-  claims.is_first.resize(named.size());
   auto answer = answered.item.begin();  // every block that was asked answers, ranks ascending on both sides
   for (const auto& group : groups)
     for (const auto i : group.item) claims.is_first[i] = *answer++;
@@ -54,10 +61,9 @@ void move_rows(const par::Comm& comm, IdRange nodes, std::vector<T>& rows, std::
   rows = par::scatter_rows<T>(comm, nodes, rows, width, new_of_block);
 }
 
-}  // namespace
-
-Named find_named(const std::vector<std::array<GlobalId, 4>>& cell_to_node) {
-  Named named;
+/// Replaces the nodes of cells by their places among those that are named, which are returned in order of first use.
+std::vector<GlobalId> take_named(std::vector<std::array<GlobalId, 4>>& cell_to_node) {
+  std::vector<GlobalId> named;
   if (cell_to_node.empty()) return named;
   GlobalId least = cell_to_node[0][0], greatest = least;
   for (const auto& nodes : cell_to_node)
@@ -66,25 +72,28 @@ Named find_named(const std::vector<std::array<GlobalId, 4>>& cell_to_node) {
       greatest = std::max(greatest, node);
     }
   mesh::IdMap local(least, greatest, cell_to_node.size() / 4);
-  reserve_array(named.corner, 4 * cell_to_node.size());
-  for (const auto& nodes : cell_to_node)
-    for (const auto node : nodes) {
-      const auto next = static_cast<LocalId>(named.node.size());
-      named.corner.push_back(local.find_or_insert(node, next));
-      if (named.corner.back() == next) named.node.push_back(node);
+  reserve_array(named, cell_to_node.size() / 4);
+  for (auto& nodes : cell_to_node)
+    for (auto& node : nodes) {
+      const auto next = static_cast<LocalId>(named.size());
+      const auto place = local.find_or_insert(node, next);
+      if (place == next) named.push_back(node);
+      node = place;
     }
   return named;
 }
 
+}  // namespace
+
 std::vector<GlobalId> renumber_nodes(const par::Comm& comm, mesh::BlockMesh& block) {
   const auto nodes = block.info.node_ids();
-  const auto named = find_named(block.cell_to_node);
-  const auto claims = claim(comm, nodes, named.node);
+  const auto named = take_named(block.cell_to_node);
+  const auto claims = claim(comm, nodes, named);
 
   // this rank's part of the numbers: nodes that no cell on a lower rank names
   std::vector<GlobalId> own;
-  for (std::size_t i = 0; i < named.node.size(); ++i)
-    if (claims.is_first[i] != 0) own.push_back(named.node[i]);
+  for (std::size_t i = 0; i < named.size(); ++i)
+    if (claims.is_first[i] != 0) own.push_back(named[i]);
   std::vector<GlobalId> number(own.size());
   std::iota(number.begin(), number.end(), nodes.first + comm.exclusive_sum(static_cast<std::int64_t>(own.size())));
   auto new_of_block = par::scatter_rows<GlobalId>(comm, nodes, number, 1, own);
@@ -94,10 +103,9 @@ std::vector<GlobalId> renumber_nodes(const par::Comm& comm, mesh::BlockMesh& blo
   for (std::size_t i = 0; i < new_of_block.size(); ++i)
     if (claims.is_named[i] == 0) new_of_block[i] = next++;
 
-  const auto new_of_named = par::fetch_rows<GlobalId>(comm, nodes, new_of_block, 1, named.node);
-  auto corner = named.corner.begin();
+  const auto new_of_named = par::fetch_rows<GlobalId>(comm, nodes, new_of_block, 1, named);
   for (auto& corners : block.cell_to_node)
-    for (auto& node : corners) node = new_of_named[static_cast<std::size_t>(*corner++)];
+    for (auto& node : corners) node = new_of_named[static_cast<std::size_t>(node)];
 
   std::vector<GlobalId> of_triangles;
   for (const auto& corners : block.boundary.node)

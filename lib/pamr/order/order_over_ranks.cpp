@@ -6,12 +6,13 @@
 #include <utility>
 
 #include "pamr/assemble/check_block.hpp"
-#include "pamr/assemble/send_cells.hpp"
+#include "pamr/base/index.hpp"
 #include "pamr/base/memory.hpp"
 #include "pamr/base/prefetch.hpp"
 #include "pamr/mesh/families.hpp"
+#include "pamr/mesh/id_map.hpp"
 #include "pamr/order/order_nodes.hpp"
-#include "pamr/order/order_places.hpp"
+#include "pamr/order/route.hpp"
 #include "pamr/par/exchange.hpp"
 
 namespace pamr::order {
@@ -20,9 +21,6 @@ namespace {
 
 /// Cells whose neighbors are asked for at once.
 constexpr std::size_t cells_of_round = std::size_t{1} << 17U;
-
-/// Corners whose points are asked for beforehand.
-constexpr std::size_t corners_ahead = 64;
 
 /// Calls `work(begin, end)` for pieces of this rank's cells, as often on every rank. Collective.
 template <class Work>
@@ -65,66 +63,94 @@ void share_tree_keys(const par::Comm& comm, const mesh::BlockMesh& block, std::v
   }
 }
 
+/// Where the corners of this rank's cells lie. Only the nodes of other ranks' blocks are asked for, each once.
+class CornerPoints {
+ public:
+  /// Collective.
+  CornerPoints(const par::Comm& comm, const mesh::BlockMesh& block)
+      : own_point_(block.node_position),
+        own_(par::block_range(block.info.node_ids(), comm.rank(), comm.size())),
+        other_(block.info.node_ids().first, block.info.node_ids().end() - 1,
+               std::min(block.cell_to_node.size(), own_point_.size())) {
+    std::vector<GlobalId> asked;
+    for (const auto& nodes : block.cell_to_node)
+      for (const auto node : nodes) {
+        if (own_.contains(node)) continue;
+        const auto next = static_cast<LocalId>(asked.size());
+        if (other_.find_or_insert(node, next) == next) asked.push_back(node);
+      }
+    other_point_ = par::fetch_rows<geometry::Vec3>(comm, block.info.node_ids(), own_point_, 1, asked);
+  }
+
+  const geometry::Vec3& operator()(GlobalId node) const {
+    return own_.contains(node) ? own_point_[static_cast<std::size_t>(node - own_.begin)]
+                               : other_point_[static_cast<std::size_t>(other_.find(node))];
+  }
+  void prefetch_point(GlobalId node) const {
+    if (own_.contains(node)) prefetch(&(*this)(node));
+  }
+
+ private:
+  const std::vector<geometry::Vec3>& own_point_;
+  par::BlockRange own_;
+  mesh::IdMap other_;  ///< places of the other nodes in `other_point_`
+  std::vector<geometry::Vec3> other_point_;
+};
+
 /// Collective.
 std::vector<std::uint64_t> find_keys(const par::Comm& comm, const mesh::BlockMesh& block, const CurveGrid& grid,
                                      bool has_lineage) {
-  const auto named = find_named(block.cell_to_node);
-  const auto point = par::fetch_rows<geometry::Vec3>(comm, block.info.node_ids(), block.node_position, 1, named.node);
+  constexpr std::size_t cells_ahead = 24;
+  const CornerPoints point(comm, block);
+  const auto& cells = block.cell_to_node;
   std::vector<std::uint64_t> key;
-  reserve_array(key, block.cell_to_node.size());
-  const auto at = [&](std::size_t corner) -> const geometry::Vec3& {
-    return point[static_cast<std::size_t>(named.corner[corner])];
-  };
-  for (std::size_t i = 0; i < named.corner.size(); i += 4) {
-    for (auto ahead = i + corners_ahead; ahead < std::min(i + corners_ahead + 4, named.corner.size()); ++ahead)
-      prefetch(&at(ahead));
-    key.push_back(key_of(grid, {at(i), at(i + 1), at(i + 2), at(i + 3)}));
+  reserve_array(key, cells.size());
+  for (std::size_t c = 0; c < cells.size(); ++c) {
+    if (c + cells_ahead < cells.size())
+      for (const auto node : cells[c + cells_ahead]) point.prefetch_point(node);
+    const auto& n = cells[c];
+    key.push_back(key_of(grid, {point(n[0]), point(n[1]), point(n[2]), point(n[3])}));
   }
   if (has_lineage) share_tree_keys(comm, block, key);
   return key;
 }
 
-/// Replaces the old numbers of neighbors by the new ones. `id` and `place`: old and new numbers of the block's cells.
-/// Collective.
-void renumber_neighbors(const par::Comm& comm, mesh::BlockMesh& block, const std::vector<GlobalId>& id,
-                        const std::vector<GlobalId>& place) {
+/// Replaces the old numbers of neighbors by the new ones. `place`: new numbers of the block's cells. Collective.
+void renumber_neighbors(const par::Comm& comm, mesh::BlockMesh& block, const std::vector<GlobalId>& place) {
   const auto cells = block.info.cell_ids();
+  std::vector<GlobalId> id(block.cell_to_node.size());
+  std::iota(id.begin(), id.end(), block.first_cell);
   const auto new_of_block = par::scatter_rows<GlobalId>(comm, cells, place, 1, id);
   const auto here = par::block_range(cells, comm.rank(), comm.size());
-  const auto is_here = [&](GlobalId cell) { return cell >= here.begin && cell < here.end; };
   in_rounds(comm, block.cell_to_cell.size(), [&](std::size_t begin, std::size_t end) {
     std::vector<GlobalId> asked;
     for (auto c = begin; c < end; ++c)
       for (const auto neighbor : block.cell_to_cell[c])
-        if (neighbor >= 0 && !is_here(neighbor)) asked.push_back(neighbor);
+        if (neighbor >= 0 && !here.contains(neighbor)) asked.push_back(neighbor);
     const auto answered = par::fetch_rows<GlobalId>(comm, cells, new_of_block, 1, asked);
     auto next = answered.begin();
     for (auto c = begin; c < end; ++c)
       for (auto& neighbor : block.cell_to_cell[c])
         if (neighbor >= 0)
-          neighbor = is_here(neighbor) ? new_of_block[static_cast<std::size_t>(neighbor - here.begin)] : *next++;
+          neighbor = here.contains(neighbor) ? new_of_block[static_cast<std::size_t>(neighbor - here.begin)] : *next++;
   });
 }
 
 /// Sends the cells to the canonical blocks of their new numbers. Returns their old ones. Collective.
-std::vector<GlobalId> move_cells(const par::Comm& comm, mesh::BlockMesh& block, std::vector<GlobalId> place,
-                                 std::vector<GlobalId> id, const assemble::Contents& contents) {
-  std::vector<Rank> to;
-  reserve_array(to, place.size());
-  for (const auto number : place) to.push_back(par::block_of(number, block.info.cell_ids(), comm.size()));
-  auto cells = assemble::take_cells(block, contents);
-  cells.id = std::move(place);
-  cells.field.push_back({"", "", 1, mesh::StorageType::int64, std::move(id)});
-  assemble::exchange_cells(comm, cells, to, contents);
-
+std::vector<GlobalId> move_cells(const par::Comm& comm, mesh::BlockMesh& block, const Route& route,
+                                 const assemble::Contents& contents) {
+  const auto send = [&](auto& rows, std::size_t width) { send_rows(comm, route, rows, width); };
+  std::vector<GlobalId> origin;
+  reserve_array(origin, block.cell_to_node.size());
+  for (std::size_t c = 0; c < block.cell_to_node.size(); ++c)
+    origin.push_back(block.first_cell + static_cast<GlobalId>(c));
+  send(origin, 1);
+  send(block.cell_to_node, 1);
+  if (contents.has_neighbors) send(block.cell_to_cell, 1);
+  if (contents.has_lineage) send(block.lineage, 1);
+  for (auto& field : block.cell_fields)
+    std::visit([&](auto& values) { send(values, at(field.n_components)); }, field.value);
   block.first_cell = par::block_range(block.info.cell_ids(), comm.rank(), comm.size()).begin;
-  block.cell_to_node = std::move(cells.node);
-  block.cell_to_cell = std::move(cells.neighbor);
-  block.lineage = std::move(cells.lineage);
-  if (!contents.has_lineage) block.lineage.clear();
-  auto origin = std::move(cells.field.back().integer());
-  cells.field.pop_back();
-  block.cell_fields = std::move(cells.field);
   return origin;
 }
 
@@ -132,16 +158,12 @@ std::vector<GlobalId> move_cells(const par::Comm& comm, mesh::BlockMesh& block, 
 
 Ordered order_over_ranks(const par::Comm& comm, mesh::BlockMesh block, const CurveGrid& grid) {
   const assemble::Contents contents{.has_neighbors = comm.any(!block.cell_to_cell.empty()),
-                                    .has_lineage = comm.any(!block.lineage.empty()),
-                                    .has_destinations = true};
-  const auto key = find_keys(comm, block, grid, contents.has_lineage);
-  auto place = places_along_curve(comm, block, key);
-  std::vector<GlobalId> id(block.cell_to_node.size());
-  std::iota(id.begin(), id.end(), block.first_cell);
-  if (contents.has_neighbors) renumber_neighbors(comm, block, id, place);
+                                    .has_lineage = comm.any(!block.lineage.empty())};
+  const auto route = find_route(comm, block, find_keys(comm, block, grid, contents.has_lineage));
+  if (contents.has_neighbors) renumber_neighbors(comm, block, new_numbers(comm, route, block.info.cell_ids()));
 
   Ordered ordered;
-  ordered.cell_origin = move_cells(comm, block, std::move(place), std::move(id), contents);
+  ordered.cell_origin = move_cells(comm, block, route, contents);
   ordered.node_origin = renumber_nodes(comm, block);
   ordered.block = std::move(block);
   return ordered;
