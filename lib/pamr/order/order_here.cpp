@@ -142,6 +142,7 @@ Ordered order_here(mesh::BlockMesh block, const CurveGrid& grid) {
   if (!block.cell_to_cell.empty()) reorder_neighbors(block, new_to_old);
   if (!block.boundary.node.empty()) reorder_triangles(block, node_to_old);
   if (!block.lineage.empty()) reorder(block.lineage, 1, new_to_old);
+  if (!block.cell_origin.empty()) reorder(block.cell_origin, 1, new_to_old);
   reorder(block.cell_fields, new_to_old);
   reorder(block.node_position, 1, node_to_old);
   reorder(block.node_fields, node_to_old);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <numeric>
 #include <utility>
+#include <variant>
 
 #include "pamr/assemble/check_block.hpp"
 #include "pamr/base/index.hpp"
@@ -148,6 +149,7 @@ std::vector<GlobalId> move_cells(const par::Comm& comm, mesh::BlockMesh& block, 
   send(block.cell_to_node, 1);
   if (contents.has_neighbors) send(block.cell_to_cell, 1);
   if (contents.has_lineage) send(block.lineage, 1);
+  if (contents.has_origin) send(block.cell_origin, 1);
   for (auto& field : block.cell_fields)
     std::visit([&](auto& values) { send(values, at(field.n_components)); }, field.value);
   block.first_cell = par::block_range(block.info.cell_ids(), comm.rank(), comm.size()).begin;
@@ -158,7 +160,8 @@ std::vector<GlobalId> move_cells(const par::Comm& comm, mesh::BlockMesh& block, 
 
 Ordered order_over_ranks(const par::Comm& comm, mesh::BlockMesh block, const CurveGrid& grid) {
   const assemble::Contents contents{.has_neighbors = comm.any(!block.cell_to_cell.empty()),
-                                    .has_lineage = comm.any(!block.lineage.empty())};
+                                    .has_lineage = comm.any(!block.lineage.empty()),
+                                    .has_origin = comm.any(!block.cell_origin.empty())};
   const auto route = find_route(comm, block, find_keys(comm, block, grid, contents.has_lineage));
   if (contents.has_neighbors) renumber_neighbors(comm, block, new_numbers(comm, route, block.info.cell_ids()));
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pamr/order/route.hpp"
 
-#include <array>
 #include <bit>
 #include <numeric>
 
@@ -28,7 +27,7 @@ struct Search {
 /// Leaves in each search those cells whose values of `bits` bits are that of the cell that is looked for. `value_at`:
 /// ascending on each rank. Collective: a reduction for each digit.
 template <class ValueAt>
-void narrow(const par::Comm& comm, std::vector<Search>& searches, unsigned bits, ValueAt value_at) {
+void keep_found(const par::Comm& comm, std::vector<Search>& searches, unsigned bits, ValueAt value_at) {
   for (auto shift = (bits + bits_of_digit - 1) / bits_of_digit * bits_of_digit; shift > 0;) {
     shift -= bits_of_digit;
     std::vector<std::size_t> begin;     // n_values + 1 a search
@@ -68,9 +67,10 @@ std::vector<std::size_t> find_begin(const par::Comm& comm, const mesh::BlockMesh
   std::vector<Search> searches;
   for (Rank r = 1; r < comm.size(); ++r)
     searches.push_back({0, key.size(), par::block_range(cells, r, comm.size()).begin - cells.first});
-  narrow(comm, searches, 64, [&](std::size_t i) { return key[i]; });
-  narrow(comm, searches, static_cast<unsigned>(std::bit_width(static_cast<std::uint64_t>(cells.n))),
-         [&](std::size_t i) { return static_cast<std::uint64_t>(block.first_cell - cells.first) + route.order[i]; });
+  keep_found(comm, searches, 64, [&](std::size_t i) { return key[i]; });
+  keep_found(
+      comm, searches, static_cast<unsigned>(std::bit_width(static_cast<std::uint64_t>(cells.n))),
+      [&](std::size_t i) { return static_cast<std::uint64_t>(block.first_cell - cells.first) + route.order[i]; });
   std::vector<std::size_t> begin{0};
   for (const auto& search : searches) begin.push_back(search.low);
   begin.push_back(key.size());
@@ -96,6 +96,7 @@ Route find_route(const par::Comm& comm, const mesh::BlockMesh& block, std::span<
                         sorted.begin() + static_cast<std::ptrdiff_t>(route.begin[r + 1])}});
   free_array(sorted);
   const auto arrived = comm.sparse_exchange(parts);
+  free_array(parts);
   route.first.assign(size + 1, 0);
   for (std::size_t k = 0; k < arrived.rank.size(); ++k)
     route.first[static_cast<std::size_t>(arrived.rank[k]) + 1] = arrived.from(k).size();
@@ -120,6 +121,7 @@ std::vector<GlobalId> new_numbers(const par::Comm& comm, const Route& route, IdR
   for (std::size_t r = 0; r + 1 < route.first.size(); ++r) {
     if (route.first[r] == route.first[r + 1]) continue;
     auto& out = answers.emplace_back(par::Outgoing<GlobalId>{static_cast<Rank>(r), {}}).item;
+    reserve_array(out, route.first[r + 1] - route.first[r]);
     for (auto i = route.first[r]; i < route.first[r + 1]; ++i)
       out.push_back(first + static_cast<GlobalId>(route.place[i]));
   }

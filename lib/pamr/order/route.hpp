@@ -18,20 +18,20 @@ namespace pamr::order {
 struct Route {
   std::vector<std::uint32_t> order;  ///< the cells of this rank by key, then by number
   std::vector<std::size_t> begin;    ///< size + 1: those for rank `r` are `order[begin[r] .. begin[r + 1])`
-  std::vector<std::uint32_t>
-      place;  ///< of each cell that comes, in the order in which its rank has them: row in the block
-  std::vector<std::size_t> first;  ///< size + 1: those from rank `r` are `place[first[r] .. first[r + 1])`
-  std::int64_t rounds = 0;         ///< in which rows are sent, so that at most 2^17 of a rank are on their way
+  std::vector<std::uint32_t> place;  ///< rows in this rank's block of the cells that come, in the senders' `order`
+  std::vector<std::size_t> first;    ///< size + 1: those from rank `r` are `place[first[r] .. first[r + 1])`
+  std::int64_t rounds = 0;           ///< in which rows are sent: about 2^17 rows a round of those that a rank sends
 };
 
-/// `key` has one entry for each cell of the block. Collective: a distributed selection, one reduction for each four bits
-/// of a key and of a number, and one sparse exchange.
+/// `key` has one entry for each cell of the block. Collective: one sparse exchange, and a reduction of 16 numbers a rank
+/// for each four bits of a key and of a number.
 Route find_route(const par::Comm& comm, const mesh::BlockMesh& block, std::span<const std::uint64_t> key);
 
-/// The new number of each cell that this rank has before. Collective: one sparse exchange.
+/// The new number of each cell that this rank had before, in their old order. Collective: one sparse exchange.
 std::vector<GlobalId> new_numbers(const par::Comm& comm, const Route& route, IdRange cells);
 
-/// Sends `width` values of each cell the way of the cell. Collective: a sparse exchange for each round.
+/// Replaces `rows`, `width` values for each cell that this rank had before, by those of the cells of its new block.
+/// Collective: a sparse exchange for each round.
 template <class T>
 void send_rows(const par::Comm& comm, const Route& route, std::vector<T>& rows, std::size_t width) {
   constexpr std::size_t rows_ahead = 24;

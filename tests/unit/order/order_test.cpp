@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -11,6 +12,7 @@
 #include "pamr/mesh/fingerprint.hpp"
 #include "pamr/mesh/tet.hpp"
 #include "pamr/order/order_along_curve.hpp"
+#include "pamr/order/route.hpp"
 #include "pamr/validate/validate.hpp"
 #include "support/meshes.hpp"
 
@@ -205,6 +207,71 @@ TEST(OrderAlongCurve, PutsNodesWithoutCellsLastInTheirOrder) {
 
   EXPECT_EQ(test::gather(comm, ordered.block).node_position,
             (std::vector<geometry::Vec3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {9, 9, 9}, {8, 8, 8}}));
+}
+
+TEST(OrderAlongCurve, KeepsTheOrderOfCellsInOnePlace) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  constexpr GlobalId first = (GlobalId{1} << 33U) + 253;  // whose last digits begin anew among the cells
+  for (const int n : {1, 3}) {                            // 6 cells are fewer than ranks there may be
+    auto whole = test::gather(comm, test::without_neighbors(test::kuhn_cube(comm, n)));
+    for (auto& point : whole.node_position) point = {1, 2, 3};
+    const std::vector<GlobalId> all_on_last(static_cast<std::size_t>(comm.size()), 0);
+    for (const auto& block : {test::cut(comm, whole), test::cut(comm, whole, all_on_last)}) {
+      const auto ordered = order_along_curve(comm, test::numbered_from(first, block));
+
+      const auto cells = par::block_range(ordered.block.info.cell_ids(), comm.rank(), comm.size());
+      ASSERT_EQ(static_cast<GlobalId>(ordered.cell_origin.size()), cells.count());
+      for (std::size_t c = 0; c < ordered.cell_origin.size(); ++c)
+        EXPECT_EQ(ordered.cell_origin[c], cells.begin + static_cast<GlobalId>(c));
+    }
+  }
+}
+
+TEST(OrderAlongCurve, CarriesOriginsThatAreGiven) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  auto block = test::random_mesh(comm, 11, 4);
+  for (std::size_t c = 0; c < block.cell_to_node.size(); ++c)
+    block.cell_origin.push_back(1000 + block.first_cell + static_cast<GlobalId>(c));
+
+  const auto ordered = order_along_curve(comm, std::move(block));
+
+  ASSERT_EQ(ordered.block.cell_origin.size(), ordered.cell_origin.size());
+  for (std::size_t c = 0; c < ordered.cell_origin.size(); ++c)
+    EXPECT_EQ(ordered.block.cell_origin[c], 1000 + ordered.cell_origin[c]);
+}
+
+TEST(Route, SendsRowsInAnyNumberOfRounds) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  const auto block = test::random_mesh(comm, 12, 4);
+  const auto key_of_cell = [](GlobalId cell) { return combine(7, static_cast<std::uint64_t>(cell)) % 11 << 59U; };
+  std::vector<GlobalId> expected(static_cast<std::size_t>(block.info.n_global_cells)), cell;
+  std::iota(expected.begin(), expected.end(), 0);
+  std::stable_sort(expected.begin(), expected.end(),
+                   [&](GlobalId a, GlobalId b) { return key_of_cell(a) < key_of_cell(b); });
+  std::vector<std::uint64_t> key;
+  for (std::size_t c = 0; c < block.cell_to_node.size(); ++c) {
+    cell.push_back(block.first_cell + static_cast<GlobalId>(c));
+    key.push_back(key_of_cell(cell.back()));
+  }
+
+  auto route = find_route(comm, block, key);
+
+  const auto here = par::block_range(block.info.cell_ids(), comm.rank(), comm.size());
+  for (const int rounds : {1, 3, 1000}) {  // in the last, parts have fewer rows than there are rounds
+    route.rounds = rounds;
+    auto one = cell;
+    std::vector<double> two;
+    for (const auto number : cell) two.insert(two.end(), {0.5 * static_cast<double>(number), 3.0});
+    send_rows(comm, route, one, 1);
+    send_rows(comm, route, two, 2);
+    ASSERT_EQ(static_cast<GlobalId>(one.size()), here.count());
+    ASSERT_EQ(two.size(), 2 * one.size());
+    for (std::size_t i = 0; i < one.size(); ++i) {
+      ASSERT_EQ(one[i], expected[static_cast<std::size_t>(here.begin) + i]);
+      ASSERT_EQ(two[2 * i], 0.5 * static_cast<double>(one[i]));
+      ASSERT_EQ(two[2 * i + 1], 3.0);
+    }
+  }
 }
 
 TEST(OrderAlongCurve, TakesAMeshWithoutCells) {
