@@ -47,16 +47,16 @@ struct Ordered {
 
 /// The same mesh with its cells along Hilbert's curve through their centroids, over the smallest cube that holds all
 /// nodes, and its nodes in the order in which the cells name them first: what lies close in space lies close in memory,
-/// in the file, and in a block of it. Corners, neighbors, boundary triangles, patches, lineage,
-/// origins and fields go along. A tree (a cell of level
-/// 0 and all that was split of it, closure families included) stays together in its order, where its first cell lies,
-/// so that splits can be undone; cells of equal place keep their order; nodes that no cell names come last.
+/// in the file, and in a block of it. Corners, neighbors, boundary triangles, patches, lineage, origins and fields go
+/// along. A tree (a cell of level 0 and all that was split of it, closure families included) stays together in its
+/// order, where its first cell lies, so that splits can be undone; cells of equal place keep their order; nodes that no
+/// cell names come last.
 ///
 /// Collective; on one rank nothing is sent. The new numbers do not depend on the number of ranks nor on the blocks.
 /// Throws `Error` on every rank for what `assemble` refuses of a single block: numbers out of range, lineage that does
 /// not describe families, sizes that do not fit. Coordinates are not looked at: what is not finite gets some place.
-/// Cost: O(cells) time; over ranks every cell is sent once, O(cells / ranks) bytes a rank, beside some
-/// 25 reductions of 16 numbers a rank.
+/// Cost: O(cells) time; over ranks every cell is sent once, O(cells / ranks) bytes a rank, beside some 25 reductions of
+/// 16 numbers a rank.
 Ordered order_along_curve(const par::Comm& comm, mesh::BlockMesh block);
 
 }  // namespace pamr::order

@@ -9,7 +9,7 @@
 
 // Every rank sorts its cells by key. Where the blocks of the new numbers begin among all ranks' keys is found digit by
 // digit: the ranks add up how many of their cells have each digit, and go on with those that hold the block's first
-// cell. So every cell goes where it is to be in one step.
+// cell. So every cell is sent once.
 namespace pamr::order {
 
 namespace {
@@ -17,17 +17,17 @@ namespace {
 constexpr unsigned bits_of_digit = 4;
 constexpr std::size_t n_values = std::size_t{1} << bits_of_digit;
 
-/// Looks for the first cell of a block: it is behind `n_before` cells of those that are known to be around it, which on
-/// this rank are `low` to `high` of its order.
+/// Looks for the first cell of a block. It is known to be among certain cells, which on this rank are `low` to `high` of
+/// its order; `n_before` of them, on all ranks, come before it.
 struct Search {
   std::size_t low = 0, high = 0;
   std::int64_t n_before = 0;
 };
 
-/// Leaves in each search those cells whose values of `bits` bits are that of the cell that is looked for. `value_at`:
-/// ascending on each rank. Collective: a reduction for each digit.
+/// Narrows each search to the cells whose value, of `bits` bits, is that of the cell it looks for. `value_at`: the value
+/// of a cell by its place in this rank's order, in which values ascend. Collective: a reduction for each digit.
 template <class ValueAt>
-void keep_found(const par::Comm& comm, std::vector<Search>& searches, unsigned bits, ValueAt value_at) {
+void narrow_all(const par::Comm& comm, std::vector<Search>& searches, unsigned bits, ValueAt value_at) {
   for (auto shift = (bits + bits_of_digit - 1) / bits_of_digit * bits_of_digit; shift > 0;) {
     shift -= bits_of_digit;
     std::vector<std::size_t> begin;     // n_values + 1 a search
@@ -67,8 +67,8 @@ std::vector<std::size_t> find_begin(const par::Comm& comm, const mesh::BlockMesh
   std::vector<Search> searches;
   for (Rank r = 1; r < comm.size(); ++r)
     searches.push_back({0, key.size(), par::block_range(cells, r, comm.size()).begin - cells.first});
-  keep_found(comm, searches, 64, [&](std::size_t i) { return key[i]; });
-  keep_found(
+  narrow_all(comm, searches, 64, [&](std::size_t i) { return key[i]; });
+  narrow_all(
       comm, searches, static_cast<unsigned>(std::bit_width(static_cast<std::uint64_t>(cells.n))),
       [&](std::size_t i) { return static_cast<std::uint64_t>(block.first_cell - cells.first) + route.order[i]; });
   std::vector<std::size_t> begin{0};

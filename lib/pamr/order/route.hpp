@@ -18,9 +18,9 @@ namespace pamr::order {
 struct Route {
   std::vector<std::uint32_t> order;  ///< the cells of this rank by key, then by number
   std::vector<std::size_t> begin;    ///< size + 1: those for rank `r` are `order[begin[r] .. begin[r + 1])`
-  std::vector<std::uint32_t> place;  ///< rows in this rank's block of the cells that come, in the senders' `order`
+  std::vector<std::uint32_t> place;  ///< of the cells that come, as their ranks order them: rows in this rank's block
   std::vector<std::size_t> first;    ///< size + 1: those from rank `r` are `place[first[r] .. first[r + 1])`
-  std::int64_t rounds = 0;           ///< in which rows are sent: about 2^17 rows a round of those that a rank sends
+  std::int64_t rounds = 0;           ///< of messages: a rank sends about 2^17 rows in each at most
 };
 
 /// `key` has one entry for each cell of the block. Collective: one sparse exchange, and a reduction of 16 numbers a rank
