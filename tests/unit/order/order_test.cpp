@@ -211,8 +211,8 @@ TEST(OrderAlongCurve, PutsNodesWithoutCellsLastInTheirOrder) {
 
 TEST(OrderAlongCurve, KeepsTheOrderOfCellsInOnePlace) {
   const par::Comm comm(MPI_COMM_WORLD);
-  constexpr GlobalId first = (GlobalId{1} << 33U) + 253;  // whose last digits begin anew among the cells
-  for (const int n : {1, 3}) {                            // 6 cells are fewer than ranks there may be
+  constexpr GlobalId first = (GlobalId{1} << 33U) + 253;  // the low eight bits of the numbers overflow on the way
+  for (const int n : {1, 3}) {  // with n = 1 there are six cells, which may be fewer than ranks
     auto whole = test::gather(comm, test::without_neighbors(test::kuhn_cube(comm, n)));
     for (auto& point : whole.node_position) point = {1, 2, 3};
     const std::vector<GlobalId> all_on_last(static_cast<std::size_t>(comm.size()), 0);
