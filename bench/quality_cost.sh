@@ -31,16 +31,13 @@ print(f"| {sys.argv[1]} | {none['cells_out']:,.0f} | {removable['cells_out']:,.0
 EOF
 }
 
-# shellcheck source=bench/warm_memory.sh
-. "$root/bench/warm_memory.sh"
-
 cone() { # LEVEL MARKS...
   local level=$1
   shift
   for policy in none removable; do
     pamr-mark "$work/$policy.hdf" -o "$work/marked.hdf" --force --quiet "$@"
     for ((run = 0; run < repeats; ++run)); do
-      warm_memory
+      python3 -B "$root/bench/compare/warm_memory.py"
       pamr-refine "$work/marked.hdf" -o "$work/$policy.hdf" --force --quiet --quality-control "$policy" \
         --json "$work/$policy-$run.json"
     done

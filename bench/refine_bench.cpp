@@ -9,6 +9,7 @@
 
 #include <memory>
 
+#include "bench/compare/memory.hpp"
 #include "bench/workloads.hpp"
 #include "pamr/adapt/adapt.hpp"
 #include "pamr/base/memory.hpp"
@@ -42,7 +43,7 @@ void report(benchmark::State& state, const Stopwatch& start, std::int64_t cells_
 void run(benchmark::State& state, const mesh::DistMesh& mesh, const std::vector<std::uint8_t>& flags,
          std::size_t memory_before, refine::QualityControl policy = refine::QualityControl::removable) {
   for (auto _ : state) {
-    bench::warm_memory(400 * static_cast<std::size_t>(mesh.n_cells()));
+    peer::warm_memory(600 * static_cast<std::size_t>(mesh.n_cells()));
     bench::reset_peak();
     world->barrier();
     const Stopwatch start;
@@ -104,7 +105,7 @@ std::vector<T> fresh(std::size_t n, bool in_large_pages) {
 void limit(benchmark::State& state, bool in_large_pages) {
   const auto n = static_cast<std::size_t>(6 * 8 * state.range(0) * state.range(0) * state.range(0) / world->size());
   for (auto _ : state) {
-    bench::warm_memory(64 * n);
+    peer::warm_memory(64 * n);
     const auto before = bench::resident_bytes();
     bench::reset_peak();
     world->barrier();

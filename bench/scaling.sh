@@ -52,13 +52,12 @@ done
 out=${out:-$build/bench/scaling-out}
 PATH=$build/bin:$PATH
 . "$root/scripts/mpi_environment.sh"
-. "$folder/warm_memory.sh"
 mkdir -p "$out"
 rm -f "$out"/run-*.json "$out"/base-*.json "$out"/own-*.txt
 trap 'echo "scaling.sh: a run failed" >&2; exit 2' ERR
 
 refine() { # RANKS REPORT MESH
-  [ $size = tiny ] || warm_memory
+  [ $size = tiny ] || python3 -B "$folder/compare/warm_memory.py"
   mpirun -n "$1" pamr-refine "$3" -o "$out/refined.hdf" --force --quiet --balance "$balance" --each-rank \
     --json "$out/$2.json"
   rm -f "$out/refined.hdf"

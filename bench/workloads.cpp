@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
-#include <string>
 
+#include "bench/compare/memory.hpp"
 #include "pamr/assemble/assemble.hpp"
 #include "pamr/assemble/kuhn_cube.hpp"
 #include "pamr/base/index.hpp"
@@ -22,17 +22,6 @@ constexpr geometry::Vec3 middle{0.5, 0.5, 0.5};
 geometry::Vec3 centroid(const mesh::DistMesh& mesh, LocalId cell) {
   const auto p = mesh.points(cell);
   return 0.25 * (p[0] + p[1] + p[2] + p[3]);
-}
-
-std::size_t status_value(const std::string& key) {
-  std::ifstream status("/proc/self/status");
-  for (std::string word; status >> word;)
-    if (word == key) {
-      std::size_t kilobytes = 0;
-      status >> kilobytes;
-      return kilobytes * 1024;
-    }
-  return 0;
 }
 
 }  // namespace
@@ -91,18 +80,11 @@ std::vector<std::uint8_t> mark_box(const mesh::DistMesh& mesh, geometry::Vec3 lo
   return flags;
 }
 
-std::size_t resident_bytes() { return status_value("VmRSS:"); }
-std::size_t peak_bytes() { return status_value("VmHWM:"); }
+std::size_t resident_bytes() { return static_cast<std::size_t>(peer::status_bytes("VmRSS:")); }
+std::size_t peak_bytes() { return static_cast<std::size_t>(peer::status_bytes("VmHWM:")); }
 void reset_peak() {
   std::ofstream clear("/proc/self/clear_refs");
   clear << "5";
-}
-
-void warm_memory(std::size_t bytes) {
-  if (bytes < std::size_t{64} << 20U) return;  // what an allocator keeps to itself, and caches hold
-  std::vector<char> memory;
-  reserve_array(memory, bytes);
-  memory.resize(bytes);
 }
 
 }  // namespace pamr::bench

@@ -31,9 +31,6 @@ std::vector<std::uint8_t> mark_box(const mesh::DistMesh& mesh, geometry::Vec3 lo
 std::size_t resident_bytes();
 /// Forgets the peak so far where the system allows it, so that `peak_bytes` means what comes next.
 void reset_peak();
-/// Takes that much memory and gives it back at once, where it is much. A virtual machine may have lent its free memory
-/// to its host; to get it back takes some ms a MB, which no code that is measured should pay by chance.
-void warm_memory(std::size_t bytes);
 /// Peak since the last reset, bytes.
 std::size_t peak_bytes();
 

@@ -44,7 +44,6 @@ class Pamr {
 
   void mark(const std::vector<std::int8_t>& flags) {
     flags_ = flags.empty() ? std::vector<std::int8_t>(n_cells(), 1) : flags;
-    bench::warm_memory(400 * n_cells());
   }
 
   void refine() {

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <malloc.h>
-
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -22,6 +20,7 @@
 #include <vector>
 
 #include "assess.hpp"
+#include "memory.hpp"
 
 /// The workloads of docs/reports/performance.md for codes that speak C++, ours included: mesh, marks, clock, memory.
 /// As workload.py for Python; command line and output are the same and are explained there.
@@ -44,28 +43,13 @@ struct PlainMesh {
   std::vector<std::array<int, 4>> cell;  ///< positive: (p1 - p0) x (p2 - p0) . (p3 - p0) > 0
 };
 
-constexpr double growth = 4.5;  ///< of a level around a sphere over the one before, in memory
+constexpr std::size_t bytes_of_cell = 200;  ///< of what a call takes, for `warm_memory`
+constexpr double growth = 4.5;              ///< of a level around a sphere over the one before, in memory
 
 inline double cpu_seconds() {
   timespec now{};
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
-inline long status_bytes(const std::string& key, const char* file = "/proc/self/status") {
-  std::ifstream status(file);
-  for (std::string word; status >> word;)
-    if (word == key) {
-      status >> word;
-      return 1024 * std::stol(word);
-    }
-  return 0;
-}
-
-/// Gives back what is free, so that the peak to come is that of the call.
-inline void forget_peak() {
-  malloc_trim(0);
-  std::ofstream("/proc/self/clear_refs") << "5";
 }
 
 /// The Kuhn cube K(n), numbered as lib/pamr/mesh/kuhn_cube.hpp.
@@ -222,7 +206,11 @@ void follow_levels(const std::string& workload, const std::string& mesh_name, in
   assess_again();
   if (assesses) print_line(peer, workload, 0, "", assessment);
   for (int level = 1; level <= levels; ++level) {
-    peer.mark(is_uniform ? std::vector<std::int8_t>{} : flags_of(peer, law));
+    const auto flags = is_uniform ? std::vector<std::int8_t>{} : flags_of(peer, law);
+    peer.mark(flags);
+    const auto n_split =
+        is_uniform ? peer.n_cells() : static_cast<std::size_t>(std::count(flags.begin(), flags.end(), 1));
+    warm_memory(bytes_of_cell * (peer.n_cells() + 8 * n_split));
     forget_peak();
     double cpu = measured([&] { peer.refine(); });
     while (peer.mark_more()) cpu += measured([&] { peer.refine(); });
@@ -280,6 +268,7 @@ void follow_front(const std::string& mesh_name, int levels, int steps, bool asse
   for (int step = 1; step <= steps; ++step) {
     const auto cells_in = static_cast<double>(peer.n_cells());
     if (assesses) assessment = assess(peer, domain_of(mesh_name), std::nullopt);
+    warm_memory(2 * bytes_of_cell * peer.n_cells());
     forget_peak();
     const double cpu = meet_front(peer, front_shift * step, size, calls);
     const auto peak = static_cast<double>(status_bytes("VmHWM:") - before);

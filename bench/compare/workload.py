@@ -40,8 +40,10 @@ import time
 import numpy as np
 
 import assess
+from warm_memory import warm_memory
 
 AXIS_ORDERS = ((0, 1, 2), (1, 2, 0), (2, 0, 1), (0, 2, 1), (1, 0, 2), (2, 1, 0))  # the last three are odd
+BYTES_OF_CELL = 200  # of what a call takes, for `warm_memory`
 GROWTH = 4.5  # of a level around a sphere over the one before, in memory
 MIDDLE = 0.5
 RADIUS = 0.35
@@ -144,8 +146,12 @@ def follow_levels(peer, workload, mesh_name, levels, assesses):
         values, cells = assessed(peer, mesh, mesh_name, None)
         report(peer, workload, 0, {"cells": peer.count(mesh), **values})
     for level in range(1, levels + 1):
+        n_cells = n_split = peer.count(mesh)
         if law:
-            peer.mark(mesh, law(peer.corners(mesh)).astype(np.int8))
+            flags = law(peer.corners(mesh)).astype(np.int8)
+            n_split = np.count_nonzero(flags)
+            peer.mark(mesh, flags)
+        warm_memory(int(BYTES_OF_CELL * (n_cells + 8 * n_split)))
         forget_peak()
         mesh, cpu = measured(peer.refine, mesh)
         values = {"cells": peer.count(mesh), "cpu": cpu, "peak": status_bytes("VmHWM") - before}
@@ -189,6 +195,7 @@ def follow_front(peer, mesh_name, levels, steps, assesses):
     for step in range(1, steps + 1):
         cells_in = peer.count(mesh)
         cells = assessed(peer, mesh, mesh_name, None)[1] if assesses else None
+        warm_memory(2 * BYTES_OF_CELL * cells_in)
         forget_peak()
         mesh, values = meet_front(peer, mesh, assess.FRONT_SHIFT * step, size)
         values.update(cells=peer.count(mesh), cells_in=cells_in, peak=status_bytes("VmHWM") - before)

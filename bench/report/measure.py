@@ -7,7 +7,6 @@ import json
 import math
 import os
 import pathlib
-import shlex
 import signal
 import statistics
 import subprocess
@@ -37,8 +36,7 @@ def output_of(command, environment=None):
 
 def warm_memory():
     """Allocates and frees memory, so that the host returns what it has reclaimed before a run, not during it."""
-    folder = pathlib.Path(__file__).resolve().parent.parent
-    output_of(["bash", "-c", f". {shlex.quote(str(folder / 'warm_memory.sh'))}; warm_memory"])
+    output_of([sys.executable, "-B", pathlib.Path(__file__).resolve().parent.parent / "compare/warm_memory.py"])
 
 
 def checked(text, errors, code):

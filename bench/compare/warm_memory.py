@@ -1,0 +1,28 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Before a benchmark: takes memory in large pages (4 GB, or a half of what is free) and gives it back. What a virtual
+machine has lent to its host comes back before a run, not in it (docs/reports/performance.md, "Runs that differ"). The
+host may take it again after two seconds."""
+
+import mmap
+import pathlib
+import re
+
+LARGE_PAGE = 1 << 21
+LEAST = 32 * LARGE_PAGE  # what an allocator keeps to itself, and caches hold
+
+
+def warm_memory(size):
+    """`size`: bytes. As warm_memory.hpp."""
+    if size < LEAST:
+        return
+    text = pathlib.Path("/proc/meminfo").read_text(encoding="ascii")
+    free = int(re.search(r"MemAvailable:\s*(\d+)", text).group(1)) << 10
+    size = min(size, free // 2) // LARGE_PAGE * LARGE_PAGE
+    with mmap.mmap(-1, size, mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS) as memory:
+        memory.madvise(mmap.MADV_HUGEPAGE)
+        for page in range(0, len(memory), LARGE_PAGE):
+            memory[page] = 1
+
+
+if __name__ == "__main__":
+    warm_memory(4 << 30)
