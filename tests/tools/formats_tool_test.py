@@ -462,6 +462,38 @@ def test_conditions_of_mapbc_come_back():
     assert "condition (.mapbc) of 1 patch is left out: files of Gmsh" in run("pamr-convert", "m.lb8.ugrid", "m.msh", "--force").err
 
 
+def test_a_compressed_cgns_file_of_many_cells_is_sound():
+    """The process that reads it first may take the time and memory of its contents, which are far larger than the file."""
+    kuhn_cube("cube.hdf", 60)
+    run("pamr-convert", "cube.hdf", "plain.cgns", "--quiet")
+
+    def pack(source, target):
+        target.attrs.update(source.attrs)
+        for name, node in source.items():
+            if isinstance(node, h5py.Group):
+                pack(node, target.create_group(name, track_order=True))
+            elif node.size > 1000:
+                target.create_dataset(name, data=node[:], chunks=True, shuffle=True, compression=1)
+            else:
+                target[name] = node[:]
+
+    with h5py.File("plain.cgns") as source, h5py.File("small.cgns", "w", track_order=True) as target:
+        pack(source, target)
+    assert 4 * pathlib.Path("small.cgns").stat().st_size < pathlib.Path("plain.cgns").stat().st_size
+    run("pamr-convert", "plain.cgns", "a.hdf", "--quiet")
+    run("pamr-convert", "small.cgns", "b.hdf", "--quiet")
+    assert same_bytes("a.hdf", "b.hdf")
+
+
+def test_cgns_elements_with_equal_numbers_are_refused():
+    kuhn_cube("cube.hdf", 1)
+    run("pamr-convert", "cube.hdf", "c.cgns", "--quiet")
+    with h5py.File("c.cgns", "r+") as file:
+        file["Base/Zone1/xmax/ElementRange/ data"][:] = file["Base/Zone1/xmin/ElementRange/ data"][:]
+    refuses("pamr-convert", "c.cgns", "n.hdf", says=["c.cgns", "expected elements with different numbers, found two with number 7"],
+            creates="n.hdf")
+
+
 def test_places_beyond_two_gigabytes_are_read():
     """A binary Medit file whose parts lie behind a hole of 3 GB (a sparse file): positions of 64 bits."""
     kuhn_cube("cube.hdf", 1)

@@ -96,6 +96,13 @@ void allow_time_for(std::uint64_t bytes) {
   if (getrlimit(RLIMIT_CPU, &now) == 0) set_limit(RLIMIT_CPU, now.rlim_cur + bytes / slowest);
 }
 
+/// Where it makes a mesh of an array, too: as much as the array, and what elements, cells and their groups take.
+void allow_mesh_for(std::uint64_t bytes) {
+  allow_time_for(bytes);
+  rlimit now{};
+  if (getrlimit(RLIMIT_AS, &now) == 0) set_limit(RLIMIT_AS, now.rlim_cur + 4 * bytes);
+}
+
 /// Reads a CAD file as a tool will.
 void try_reading_cad(const std::string& file, bool fuses_solids) {
   const geometry::CadSource source{file, geometry::read_cad_source(file).text};
@@ -112,7 +119,7 @@ std::string error_of_reading(const std::string& file, bool is_cad, bool fuses_so
     if (is_cad)
       try_reading_cad(file, fuses_solids);
     else if (fs::path(file).extension() == ".cgns")
-      io::try_reading_cgns(file);
+      io::try_reading_cgns(file, allow_mesh_for);
     else
       io::try_reading(file, allow_time_for);
   } catch (const Error& error) {

@@ -2,9 +2,11 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "pamr/base/error.hpp"
+#include "pamr/io/cgns/cgns_conditions.hpp"
 #include "pamr/io/elements/boundary_rows.hpp"
 #include "pamr/io/elements/numbers.hpp"
 #include "pamr/io/medit/gmf.hpp"
@@ -81,6 +83,50 @@ TEST(WrittenNames, StayDifferentAndSaySo) {
   EXPECT_EQ(written_names(rule, {"velocity", "velocity", "velo", "veloci"}, remark, {"X", "Y", "", "X"}),
             (Names{"velocX", "velocY", "velo", "vel_2X"}));
   EXPECT_EQ(written_names(rule, {"a_b", "a", "a"}, {}, {"", "_b", ""}), (Names{"a_b", "a_2_b", "a"}));
+}
+
+/// Elements as a section of tetrahedra, one of prisms and tetrahedra in turn, and one of earlier numbers have them.
+cgns::Elements some_elements() {
+  cgns::Elements elements;
+  std::size_t n = 0;
+  const auto add = [&](std::int64_t number, std::size_t pieces) {
+    elements.add(number, {n, pieces});
+    n += pieces;
+  };
+  for (std::int64_t number = 10; number < 20; ++number) add(number, 1);
+  for (std::int64_t number = 20; number < 24; ++number) add(number, number % 2 == 0 ? 3 : 1);
+  for (std::int64_t number = 1; number < 4; ++number) add(number, 1);
+  return elements;
+}
+
+TEST(CgnsElements, AreFoundByTheirNumbers) {
+  auto elements = some_elements();
+  elements.put_in_order();
+
+  EXPECT_EQ(elements.size(), 17);
+  EXPECT_EQ(elements.runs().size(), 6U);
+  EXPECT_FALSE(elements.were_in_order());
+  const auto found = [&](std::int64_t number) {
+    const auto [first, n] = elements.find(number);
+    return std::pair(first, n);
+  };
+  using Pieces = std::pair<std::size_t, std::size_t>;
+  EXPECT_EQ(found(10), Pieces(0, 1));
+  EXPECT_EQ(found(19), Pieces(9, 1));
+  EXPECT_EQ(found(20), Pieces(10, 3));
+  EXPECT_EQ(found(21), Pieces(13, 1));
+  EXPECT_EQ(found(22), Pieces(14, 3));
+  EXPECT_EQ(found(1), Pieces(18, 1));
+  EXPECT_EQ(found(3), Pieces(20, 1));
+  for (const std::int64_t missing : {-5, 0, 4, 9, 24}) EXPECT_EQ(found(missing).second, 0U);
+}
+
+TEST(CgnsElements, OfEqualNumbersAreRefused) {
+  for (const std::int64_t twice : {1, 3, 10, 21}) {
+    auto elements = some_elements();
+    elements.add(twice, {21, 1});
+    EXPECT_THROW(elements.put_in_order(), Error);
+  }
 }
 
 TEST(Numbers, SwapTheirBytes) {

@@ -5,12 +5,16 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <map>
+#include <numeric>
 #include <set>
 #include <string_view>
 #include <tuple>
 #include <utility>
 
+#include "pamr/base/error.hpp"
+#include "pamr/base/index.hpp"
 #include "pamr/io/text.hpp"
 
 namespace pamr::io::cgns {
@@ -36,7 +40,7 @@ class ConditionReader {
     if (all.path.empty()) return;
     std::vector<std::uint8_t> is_in_condition(mesh_.triangle.size(), 0);
     std::set<std::int64_t> of_conditions;
-    std::set<std::size_t> is_named_cell;
+    std::vector<std::uint8_t> is_named_cell(mesh_.cell.size(), 0);
     for (const bool on_elements : {true, false})
       for (const auto& condition : tree_.children(all.path, "BC_t")) {
         const auto named = named_by(condition);
@@ -50,17 +54,17 @@ class ConditionReader {
         bool has_cells = false;
         if (on_elements) {
           for (const auto number : named.number) {
-            if (const auto found = elements_.triangle_of.find(number); found != elements_.triangle_of.end())
-              for (std::size_t k = 0; k < found->second.n; ++k) triangles.push_back(found->second.first + k);
-            if (const auto found = elements_.cell_of.find(number); found != elements_.cell_of.end()) {
-              const auto [first, n] = found->second;
-              const auto group = elements_.group_of_cell.begin() + static_cast<std::ptrdiff_t>(first);
-              if (is_named_cell.insert(first).second)
-                std::fill_n(group, n, name);
-              else if (*group != name)
-                ++shared_[{3, *group, name}];
-              has_cells = elements_.has_named_cells = true;
-            }
+            const auto faces = elements_.triangles.find(number);
+            for (std::size_t k = 0; k < faces.n; ++k) triangles.push_back(faces.first + k);
+            const auto [first, n] = elements_.cells.find(number);
+            if (n == 0) continue;
+            const auto of_cells = elements_.group_of(name);
+            const auto group = elements_.group_of_cell.begin() + static_cast<std::ptrdiff_t>(first);
+            if (std::exchange(is_named_cell[first], 1) == 0)
+              std::fill_n(group, n, of_cells);
+            else if (*group != of_cells)
+              ++shared_[{3, elements_.name_of_group[at(*group)], name}];
+            has_cells = elements_.has_named_cells = true;
           }
         } else {
           triangles = triangles_within(named.number);
@@ -128,13 +132,13 @@ class ConditionReader {
   std::vector<std::int64_t> within(const std::vector<std::int64_t>& range, bool are_elements) const {
     std::vector<std::int64_t> numbers;
     if (range.size() != 2) return numbers;
-    const auto add = [&](const auto& known) {
-      for (auto next = known.lower_bound(range[0]); next != known.end() && next->first <= range[1]; ++next)
-        numbers.push_back(next->first);
+    const auto add = [&](const Elements& known) {
+      for (const auto& run : known.runs())
+        for (auto n = std::max(range[0], run.number); n < run.end() && n <= range[1]; ++n) numbers.push_back(n);
     };
     if (are_elements) {
-      add(elements_.triangle_of);
-      add(elements_.cell_of);
+      add(elements_.triangles);
+      add(elements_.cells);
     } else {
       for (auto n = std::max<std::int64_t>(range[0], 1); n <= std::min(range[1], std::ssize(mesh_.point)); ++n)
         numbers.push_back(n);
@@ -165,6 +169,42 @@ class ConditionReader {
 };
 
 }  // namespace
+
+void Elements::add(std::int64_t number, Pieces pieces) {
+  const bool continues = !runs_.empty() && runs_.back().end() == number && runs_.back().pieces.n == pieces.n &&
+                         runs_.back().of(number).first == pieces.first;
+  if (continues)
+    ++runs_.back().n;
+  else
+    runs_.push_back({number, 1, pieces});
+}
+
+void Elements::put_in_order() {
+  const auto is_before = [](const Run& a, const Run& b) { return a.number < b.number; };
+  were_in_order_ = std::is_sorted(runs_.begin(), runs_.end(), is_before);
+  std::stable_sort(runs_.begin(), runs_.end(), is_before);
+  for (std::size_t i = 1; i < runs_.size(); ++i)
+    if (runs_[i].number < runs_[i - 1].end())
+      throw Error(fmt::format("expected elements with different numbers, found two with number {}", runs_[i].number));
+}
+
+Elements::Pieces Elements::find(std::int64_t number) const {
+  const auto after = std::upper_bound(runs_.begin(), runs_.end(), number,
+                                      [](std::int64_t wanted, const Run& run) { return wanted < run.number; });
+  if (after == runs_.begin() || number >= std::prev(after)->end()) return {};
+  return std::prev(after)->of(number);
+}
+
+std::int64_t Elements::size() const {
+  return std::accumulate(runs_.begin(), runs_.end(), std::int64_t{0},
+                         [](std::int64_t sum, const Run& run) { return sum + run.n; });
+}
+
+std::int32_t ZoneElements::group_of(const std::string& name) {
+  const auto [found, is_new] = group_of_name.emplace(name, static_cast<std::int32_t>(name_of_group.size()));
+  if (is_new) name_of_group.push_back(name);
+  return found->second;
+}
 
 std::int64_t ZoneElements::tag_of(const std::string& name, WholeMesh& mesh) {
   const auto [found, is_new] = tag_of_name.emplace(name, std::ssize(tag_of_name));

@@ -12,17 +12,51 @@
 
 namespace pamr::io::cgns {
 
-/// Where the elements of a zone, by their numbers in the file, are in a mesh, and the groups that they are in.
-struct ZoneElements {
+/// Where the elements of one dimension, by their numbers in the file, are in a mesh.
+class Elements {
+ public:
   /// The first of those that an element is, or was cut into, and their number.
   struct Pieces {
-    std::size_t first = 0, n = 1;
+    std::size_t first = 0, n = 0;
   };
-  std::map<std::int64_t, Pieces> cell_of, triangle_of;
-  std::vector<std::string> group_of_cell;  ///< name of its section, or of a condition
-  bool has_named_cells = false;            ///< by conditions
+  /// Elements with numbers in a row, of as many pieces each, whose pieces are in a row.
+  struct Run {
+    std::int64_t number = 0, n = 0;
+    Pieces pieces;  ///< of the first element
+
+    std::int64_t end() const { return number + n; }
+    Pieces of(std::int64_t element) const {
+      return {pieces.first + static_cast<std::size_t>(element - number) * pieces.n, pieces.n};
+    }
+  };
+
+  void add(std::int64_t number, Pieces pieces);
+  /// To be called before what follows. Throws `Error` where two elements have the same number.
+  void put_in_order();
+  /// No pieces where there is no such element.
+  Pieces find(std::int64_t number) const;
+  /// Numbers in ascending order.
+  const std::vector<Run>& runs() const { return runs_; }
+  std::int64_t size() const;
+  /// Whether the pieces were in order before `put_in_order`.
+  bool were_in_order() const { return were_in_order_; }
+
+ private:
+  std::vector<Run> runs_;
+  bool were_in_order_ = true;
+};
+
+/// The elements of a zone and the groups that they are in.
+struct ZoneElements {
+  Elements cells, triangles;
+  std::vector<std::int32_t> group_of_cell;  ///< of a section, or of a condition: place of its name
+  std::vector<std::string> name_of_group;
+  std::map<std::string, std::int32_t> group_of_name;
+  bool has_named_cells = false;  ///< by conditions
   std::map<std::string, std::int64_t> tag_of_name;
 
+  /// The group of this name, a new one for a new name.
+  std::int32_t group_of(const std::string& name);
   /// The number of the patch of this name, a new one for a new name.
   std::int64_t tag_of(const std::string& name, WholeMesh& mesh);
 };

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "pamr/base/error.hpp"
+#include "pamr/base/memory.hpp"
 #include "pamr/io/elements/first_line.hpp"
 #include "pamr/io/native/preflight.hpp"
 #include "pamr/io/text.hpp"
@@ -22,7 +23,7 @@ constexpr std::size_t max_nodes = 100000;  ///< of one parent
 
 }  // namespace
 
-Tree::Tree(const std::filesystem::path& file) {
+Tree::Tree(const std::filesystem::path& file, BeforeRead before_read) : before_read_(std::move(before_read)) {
   std::error_code none;
   if (!std::filesystem::is_regular_file(file, none)) throw Error("expected a file, found none");
   if (!has_hdf5_signature(file)) {
@@ -124,7 +125,9 @@ std::vector<T> Tree::read(const Node& node, hid_t type) const {
   const auto n = n_values(node), packing = H5Pget_nfilters(properties.id()) > 0 ? std::int64_t{1100} : std::int64_t{1};
   if (n > packing * file_bytes_ / static_cast<std::int64_t>(std::max<std::size_t>(1, H5Tget_size(stored.id()))))
     throw Error(fmt::format("{}: expected values that fit the file, found {}", node.path, n));
-  std::vector<T> values(static_cast<std::size_t>(n));
+  if (before_read_) before_read_(static_cast<std::uint64_t>(n) * sizeof(T));
+  std::vector<T> values;
+  assign_array(values, static_cast<std::size_t>(n), T{});
   hdf5::require(H5Dread(data.id(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) >= 0,
                 node.path + ": cannot read its data");
   return values;

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <initializer_list>
 #include <map>
 #include <string>
@@ -20,10 +21,13 @@ struct Node {
   std::string path, name, label;
 };
 
+/// Is called with the bytes that an array will have in memory, before it is read.
+using BeforeRead = std::function<void(std::uint64_t bytes)>;
+
 class Tree {
  public:
   /// Throws `Error`, without the name of the file, as all that follow do.
-  explicit Tree(const std::filesystem::path& file);
+  explicit Tree(const std::filesystem::path& file, BeforeRead before_read = {});
 
   /// Children with this label, or all where it is empty, in the order in which they were made.
   std::vector<Node> children(const std::string& path, std::string_view label) const;
@@ -45,6 +49,7 @@ class Tree {
 
   hdf5::Handle h5_;
   std::int64_t file_bytes_ = 0;
+  BeforeRead before_read_;
 };
 
 /// Counts children that nothing is read of by their labels: units, reference states, texts, data of conditions, ...

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <map>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -16,6 +16,7 @@
 
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
+#include "pamr/base/memory.hpp"
 #include "pamr/io/cgns/cgns_conditions.hpp"
 #include "pamr/io/cgns/cgns_fields.hpp"
 #include "pamr/io/cgns/cgns_nodes.hpp"
@@ -29,7 +30,8 @@ namespace cgns {
 
 namespace {
 
-constexpr std::int64_t mixed = 20, n_gon = 22;
+constexpr std::int64_t tetrahedra = 10, mixed = 20, n_gon = 22;
+constexpr std::int64_t largest_number = std::int64_t{1} << 60U;  ///< of an element
 
 /// Types of elements as types of Gmsh, 0 for those that are not known.
 int type_of(std::int64_t type) {
@@ -60,6 +62,9 @@ int type_of(std::int64_t type) {
 }
 
 class ZoneReader {
+  using Corners = std::array<std::int64_t, 4>;
+  using Triangle = std::array<std::int64_t, 3>;
+
  public:
   explicit ZoneReader(const Tree& tree) : tree_(tree), base_(tree.child("/", "CGNSBase_t").path) {
     const auto zone = tree.child(base_, "Zone_t");
@@ -75,8 +80,10 @@ class ZoneReader {
   WholeMesh read() {
     read_points();
     for (const auto& section : tree_.children(zone_, "Elements_t")) read_section(section);
+    elements_.cells.put_in_order();
+    elements_.triangles.put_in_order();
     read_conditions(tree_, base_, zone_, elements_, mesh_);
-    read_solutions(tree_, zone_, {n_nodes_, std::ssize(cells_)}, mesh_);
+    read_solutions(tree_, zone_, {n_nodes_, elements_.cells.size()}, mesh_);
     set_regions();
     put_cells_in_order();
     count_others(tree_, base_, {"Zone_t", "Family_t"}, mesh_.left_out);
@@ -113,10 +120,16 @@ class ZoneReader {
     const auto head = tree_.integers(section);
     const auto range = integers_named(section, "IndexRange_t", "ElementRange");
     const auto nodes = integers_named(section, "DataArray_t", "ElementConnectivity");
-    if (head.empty() || range.size() != 2 || range[0] < 1 || range[1] < range[0] - 1)
+    if (head.empty() || range.size() != 2 || range[0] < 1 || range[1] < range[0] - 1 || range[1] > largest_number)
       throw Error(section.path + ": expected a type and a range of elements, found others");
     const auto n = range[1] - range[0] + 1;
     if (n > std::ssize(nodes)) throw Error(section.path + ": expected nodes of all elements, found fewer");
+    if (head[0] == tetrahedra && mesh_.cell.empty()) {
+      reserve_array(mesh_.cell, at(n));
+      reserve_array(elements_.group_of_cell, at(n));
+    }
+    group_ = -1;
+    tag_ = -1;
     std::size_t next = 0;
     for (std::int64_t i = 0; i < n; ++i) {
       const auto own = head[0] != mixed ? head[0] : next < nodes.size() ? nodes[next++] : 0;
@@ -135,7 +148,8 @@ class ZoneReader {
 
   void keep(const Node& section, std::int64_t number, int type, const std::int64_t* nodes) {
     if (type == element_type::tetrahedron) {
-      add_cells(section, number, {{{nodes[0] - 1, nodes[1] - 1, nodes[2] - 1, nodes[3] - 1}}});
+      const Corners cell{nodes[0] - 1, nodes[1] - 1, nodes[2] - 1, nodes[3] - 1};
+      add_cells(section, number, {&cell, 1});
     } else if (type == element_type::prism || type == element_type::pyramid) {
       ++mesh_.cut[type];
       add_cells(section, number, tetrahedra_of(type, rows_of(nodes, type)));
@@ -143,7 +157,8 @@ class ZoneReader {
       ++mesh_.cut[type];
       add_triangles(section, number, triangles_of(type, rows_of(nodes, type)));
     } else if (type == element_type::triangle) {
-      add_triangles(section, number, {{{nodes[0] - 1, nodes[1] - 1, nodes[2] - 1}}});
+      const Triangle triangle{nodes[0] - 1, nodes[1] - 1, nodes[2] - 1};
+      add_triangles(section, number, {&triangle, 1});
     } else if (type == element_type::point || type == element_type::line) {
       ++mesh_.left_out[type == element_type::point ? "points" : "lines"];
     } else {
@@ -158,17 +173,18 @@ class ZoneReader {
   }
 
   /// The tetrahedra of one element.
-  void add_cells(const Node& section, std::int64_t number, const std::vector<std::array<std::int64_t, 4>>& pieces) {
-    cells_.push_back({number, {mesh_.cell.size(), pieces.size()}});
-    elements_.cell_of[number] = cells_.back().pieces;
+  void add_cells(const Node& section, std::int64_t number, std::span<const Corners> pieces) {
+    if (group_ < 0) group_ = elements_.group_of(section.name);
+    elements_.cells.add(number, {mesh_.cell.size(), pieces.size()});
     mesh_.cell.insert(mesh_.cell.end(), pieces.begin(), pieces.end());
-    elements_.group_of_cell.insert(elements_.group_of_cell.end(), pieces.size(), section.name);
+    elements_.group_of_cell.insert(elements_.group_of_cell.end(), pieces.size(), group_);
   }
 
-  void add_triangles(const Node& section, std::int64_t number, const std::vector<std::array<std::int64_t, 3>>& pieces) {
-    elements_.triangle_of[number] = {mesh_.tag.size(), pieces.size()};
+  void add_triangles(const Node& section, std::int64_t number, std::span<const Triangle> pieces) {
+    if (tag_ < 0) tag_ = elements_.tag_of(section.name, mesh_);
+    elements_.triangles.add(number, {mesh_.tag.size(), pieces.size()});
     mesh_.triangle.insert(mesh_.triangle.end(), pieces.begin(), pieces.end());
-    mesh_.tag.insert(mesh_.tag.end(), pieces.size(), elements_.tag_of(section.name, mesh_));
+    mesh_.tag.insert(mesh_.tag.end(), pieces.size(), tag_);
   }
 
   std::vector<std::int64_t> integers_named(const Node& parent, const char* label, std::string_view name) const {
@@ -179,24 +195,29 @@ class ZoneReader {
 
   /// Several sections of cells, or conditions that name cells, are regions, unless a field has these.
   void set_regions() {
-    std::map<std::string, std::int64_t> region;
-    for (const auto& name : elements_.group_of_cell) region.emplace(name, std::ssize(region) + 1);
+    std::vector<std::int64_t> region(elements_.name_of_group.size(), 0);  // 0: of no cell
+    std::int64_t n_regions = 0;
+    for (const auto group : elements_.group_of_cell)
+      if (region[at(group)] == 0) region[at(group)] = ++n_regions;
     const bool has_field = std::any_of(mesh_.cell_fields.begin(), mesh_.cell_fields.end(),
                                        [](const auto& field) { return field.name == "region"; });
-    if (has_field || (region.size() < 2 && !elements_.has_named_cells)) return;
-    for (const auto& [name, number] : region) mesh_.name_of_region[number] = name;
-    for (const auto& name : elements_.group_of_cell) mesh_.region.push_back(region.at(name));
+    if (has_field || (n_regions < 2 && !elements_.has_named_cells)) return;
+    for (std::size_t group = 0; group < region.size(); ++group)
+      if (region[group] != 0) mesh_.name_of_region[region[group]] = elements_.name_of_group[group];
+    for (const auto group : elements_.group_of_cell) mesh_.region.push_back(region[at(group)]);
   }
 
   /// Values at cell centers follow the numbers of the elements, sections any order.
   void put_cells_in_order() {
-    std::stable_sort(cells_.begin(), cells_.end(), [](const auto& a, const auto& b) { return a.number < b.number; });
+    if (elements_.cells.were_in_order() && mesh_.cut.empty()) return;
     std::vector<std::size_t> order, row_of_piece;
-    for (std::size_t row = 0; row < cells_.size(); ++row)
-      for (std::size_t k = 0; k < cells_[row].pieces.n; ++k) {
-        order.push_back(cells_[row].pieces.first + k);
-        row_of_piece.push_back(row);
-      }
+    std::size_t row = 0;
+    for (const auto& run : elements_.cells.runs())
+      for (auto element = run.number; element < run.end(); ++element, ++row)
+        for (std::size_t k = 0; k < run.pieces.n; ++k) {
+          order.push_back(run.of(element).first + k);
+          row_of_piece.push_back(row);
+        }
     mesh_.cell = chosen(mesh_.cell, order, 1);
     if (!mesh_.region.empty()) mesh_.region = chosen(mesh_.region, order, 1);
     if (mesh_.cut.empty()) return;
@@ -218,17 +239,14 @@ class ZoneReader {
   WholeMesh mesh_;
   std::int64_t n_nodes_ = 0;
   int n_axes_ = 0;
-  struct Cell {
-    std::int64_t number = 0;  ///< of the element in the file
-    ZoneElements::Pieces pieces;
-  };
-  std::vector<Cell> cells_;  ///< in the order of the file, then of their numbers
   ZoneElements elements_;
+  std::int32_t group_ = -1;  ///< of the section's cells, once it has any
+  std::int64_t tag_ = -1;    ///< of its triangles
 };
 
-WholeMesh read_whole(const std::filesystem::path& file) {
+WholeMesh read_whole(const std::filesystem::path& file, const BeforeRead& before_read = {}) {
   const hdf5::Silence silence;
-  const Tree tree(file);
+  const Tree tree(file, before_read);
   return ZoneReader(tree).read();
 }
 
@@ -240,9 +258,9 @@ ElementMesh read_cgns(const par::Comm& comm, const std::filesystem::path& file, 
   return mesh_of_whole(comm, file, options, [&] { return cgns::read_whole(file); });
 }
 
-void try_reading_cgns(const std::filesystem::path& file) {
+void try_reading_cgns(const std::filesystem::path& file, const std::function<void(std::uint64_t bytes)>& before_read) {
   try {
-    (void)cgns::read_whole(file);
+    (void)cgns::read_whole(file, before_read);
   } catch (const Error& error) {
     throw Error(source_of(file) + ": " + error.what());
   }

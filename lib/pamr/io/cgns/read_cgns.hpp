@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <functional>
 
 #include "pamr/io/elements/mesh_of_elements.hpp"
 #include "pamr/par/comm.hpp"
@@ -17,7 +19,8 @@ namespace pamr::io {
 /// several bases or zones and structured ones, and for what `mesh_of_elements` refuses.
 ElementMesh read_cgns(const par::Comm& comm, const std::filesystem::path& file, const ElementOptions& options = {});
 
-/// Reads, and drops, all that `read_cgns` does: for a process that may die of a damaged file, without MPI. Local.
-void try_reading_cgns(const std::filesystem::path& file);
+/// Reads, and drops, all that `read_cgns` does, each array after a call of `before_read` with its bytes in memory: for a
+/// process that may die of a damaged file, without MPI. Local.
+void try_reading_cgns(const std::filesystem::path& file, const std::function<void(std::uint64_t bytes)>& before_read);
 
 }  // namespace pamr::io
