@@ -15,6 +15,7 @@
 
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
+#include "pamr/base/memory.hpp"
 #include "pamr/io/elements/element_parts.hpp"
 #include "pamr/io/text.hpp"
 #include "pamr/par/exchange.hpp"
@@ -152,7 +153,8 @@ ElementParts to_parts(const par::Comm& comm, WholeMesh whole) {
   parts.cut = std::move(whole.cut);
   const auto scatter = [&](auto& rows, std::int64_t n, std::size_t width) {
     using T = typename std::remove_cvref_t<decltype(rows)>::value_type;
-    std::vector<GlobalId> ids(rows.size() / width);
+    std::vector<GlobalId> ids;
+    assign_array(ids, rows.size() / width, GlobalId{0});
     std::iota(ids.begin(), ids.end(), 0);
     rows = par::scatter_rows<T>(comm, n, rows, width, ids);
   };
@@ -161,8 +163,11 @@ ElementParts to_parts(const par::Comm& comm, WholeMesh whole) {
   parts.node_tag.resize(parts.position.size());
   std::iota(parts.node_tag.begin(), parts.node_tag.end(),
             par::block_range(parts.n_nodes, comm.rank(), comm.size()).begin);
+  reserve_array(parts.tetrahedron, whole.cell.size());
   for (std::size_t c = 0; c < whole.cell.size(); ++c)
     parts.tetrahedron.push_back({whole.cell[c], whole.region.empty() ? 0 : whole.region[c]});
+  free_array(whole.cell);
+  free_array(whole.region);
   scatter(parts.tetrahedron, parts.n_elements, 1);
   if (whole.tag.empty())
     parts.n_untagged_triangles = std::ssize(whole.triangle);

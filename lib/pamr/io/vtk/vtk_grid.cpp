@@ -13,6 +13,7 @@
 #include "pamr/base/counted.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
+#include "pamr/base/memory.hpp"
 #include "pamr/io/elements/cut_elements.hpp"
 #include "pamr/io/elements/element_parts.hpp"
 #include "pamr/io/text.hpp"
@@ -55,6 +56,8 @@ constexpr std::array<std::string_view, 2> before_name{before_patch, before_untag
 
 CellRows take_cells(const Grid& grid, WholeMesh& mesh) {
   CellRows rows;
+  reserve_array(mesh.cell, grid.types.size());
+  reserve_array(rows.of_cells, grid.types.size());
   std::int64_t n_left_out = 0;
   const auto take = [&](std::span<std::int64_t> row, std::size_t c) {
     const auto begin = c == 0 ? 0 : grid.ends[c - 1];
@@ -193,6 +196,7 @@ WholeMesh to_whole_mesh(const Grid& grid) {
   WholeMesh mesh;
   if (grid.points.index() != 0) throw Error("Points: expected reals, found integers");
   const auto& points = std::get<0>(grid.points);
+  reserve_array(mesh.point, points.size() / 3);
   for (std::size_t i = 0; i + 2 < points.size(); i += 3)
     mesh.point.push_back({points[i], points[i + 1], points[i + 2]});
   const auto rows = take_cells(grid, mesh);

@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "pamr/base/error.hpp"
+#include "pamr/base/memory.hpp"
 #include "pamr/io/elements/first_line.hpp"
 #include "pamr/io/text.hpp"
 
@@ -239,7 +240,8 @@ std::vector<T> from_text(const XmlArray& array, std::int64_t n) {
 template <class Stored, class T>
 std::vector<T> from_bytes(const XmlGrid& grid, const XmlArray& array, std::int64_t n) {
   const auto bytes = BinaryReader(grid, array).read(static_cast<std::uint64_t>(n) * sizeof(Stored));
-  std::vector<T> values(static_cast<std::size_t>(n));
+  std::vector<T> values;
+  assign_array(values, static_cast<std::size_t>(n), T{});
   for (std::size_t i = 0; i < values.size(); ++i) {
     Stored value;
     std::memcpy(&value, bytes.data() + i * sizeof value, sizeof value);
