@@ -15,7 +15,7 @@
 #include "pamr/base/error.hpp"
 #include "pamr/base/memory.hpp"
 #include "pamr/mesh/families.hpp"
-#include "pamr/mesh/id_map.hpp"
+#include "pamr/mesh/first_use.hpp"
 #include "pamr/mesh/level0_map.hpp"
 #include "pamr/mesh/local_size.hpp"
 #include "pamr/mesh/untagged_patch.hpp"
@@ -26,24 +26,10 @@ namespace pamr::assemble {
 namespace {
 
 /// Numbers the nodes in order of first use and fills `cell_to_node` and `node_global`.
-void number_nodes(mesh::DistMesh& mesh, std::vector<std::array<GlobalId, 4>> cell_to_node) {
-  GlobalId min = 0, max = -1;
-  if (!cell_to_node.empty()) min = max = cell_to_node[0][0];
-  for (const auto& nodes : cell_to_node)
-    for (const auto id : nodes) {
-      min = std::min(min, id);
-      max = std::max(max, id);
-    }
-  if (max < min) return;
-  mesh::IdMap local(min, max, cell_to_node.size() / 4);
-  reserve_array(mesh.cell_to_node, cell_to_node.size());
-  for (const auto& nodes : cell_to_node) {
-    auto& here = mesh.cell_to_node.emplace_back();
-    for (std::size_t i = 0; i < 4; ++i) {
-      here[i] = local.find_or_insert(nodes[i], static_cast<LocalId>(mesh.node_global.size()));
-      if (here[i] == static_cast<LocalId>(mesh.node_global.size())) mesh.node_global.push_back(nodes[i]);
-    }
-  }
+void number_nodes(mesh::DistMesh& mesh, const std::vector<std::array<GlobalId, 4>>& cell_to_node) {
+  assign_array(mesh.cell_to_node, cell_to_node.size(), {});
+  mesh.node_global = mesh::nodes_by_first_use(
+      cell_to_node, [&](std::size_t c, std::size_t i, LocalId place) { mesh.cell_to_node[c][i] = place; });
   mesh.node_global.shrink_to_fit();
 }
 
@@ -94,7 +80,8 @@ mesh::DistMesh assemble(const par::Comm& comm, mesh::BlockMesh block, std::span<
   mesh.lineage = std::move(cells.lineage);
   mesh.cell_origin = std::move(cells.origin);
   mesh.cell_fields = std::move(cells.field);
-  number_nodes(mesh, std::move(cells.node));
+  number_nodes(mesh, cells.node);
+  free_array(cells.node);
   par::agree(comm, [&] { check_templates(mesh); });
   if (contents.has_neighbors) {
     const auto owners = find_owners(comm, mesh.info.cell_ids(), mesh.cell_global, contents);

@@ -105,7 +105,7 @@ Ordered order_along_curve(const par::Comm& comm, mesh::BlockMesh block) {
   assemble::family_destinations(comm, block, {}, contents);
   const auto grid = grid_over(comm, block.node_position);
   if (comm.size() == 1) return order_here(std::move(block), grid);
-  return order_over_ranks(comm, std::move(block), grid);
+  return order_over_ranks(comm, std::move(block), grid, contents);
 }
 
 }  // namespace pamr::order

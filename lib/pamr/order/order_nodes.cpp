@@ -2,12 +2,10 @@
 #include "pamr/order/order_nodes.hpp"
 
 #include <algorithm>
-#include <array>
 #include <numeric>
 #include <utility>
 
-#include "pamr/base/memory.hpp"
-#include "pamr/mesh/id_map.hpp"
+#include "pamr/mesh/first_use.hpp"
 #include "pamr/par/exchange.hpp"
 
 namespace pamr::order {
@@ -61,33 +59,13 @@ void move_rows(const par::Comm& comm, IdRange nodes, std::vector<T>& rows, std::
   rows = par::scatter_rows<T>(comm, nodes, rows, width, new_of_block);
 }
 
-/// Replaces the nodes of cells by their places among those that are named, which are returned in order of first use.
-std::vector<GlobalId> take_named(std::vector<std::array<GlobalId, 4>>& cell_to_node) {
-  std::vector<GlobalId> named;
-  if (cell_to_node.empty()) return named;
-  GlobalId least = cell_to_node[0][0], greatest = least;
-  for (const auto& nodes : cell_to_node)
-    for (const auto node : nodes) {
-      least = std::min(least, node);
-      greatest = std::max(greatest, node);
-    }
-  mesh::IdMap local(least, greatest, cell_to_node.size() / 4);
-  reserve_array(named, cell_to_node.size() / 4);
-  for (auto& nodes : cell_to_node)
-    for (auto& node : nodes) {
-      const auto next = static_cast<LocalId>(named.size());
-      const auto place = local.find_or_insert(node, next);
-      if (place == next) named.push_back(node);
-      node = place;
-    }
-  return named;
-}
-
 }  // namespace
 
 std::vector<GlobalId> renumber_nodes(const par::Comm& comm, mesh::BlockMesh& block) {
   const auto nodes = block.info.node_ids();
-  const auto named = take_named(block.cell_to_node);
+  auto& cells = block.cell_to_node;  // name the places of their nodes from here on
+  const auto named =
+      mesh::nodes_by_first_use(cells, [&](std::size_t c, std::size_t i, LocalId place) { cells[c][i] = place; });
   const auto claims = claim(comm, nodes, named);
 
   // this rank's part of the numbers: nodes that no cell on a lower rank names
@@ -104,7 +82,7 @@ std::vector<GlobalId> renumber_nodes(const par::Comm& comm, mesh::BlockMesh& blo
     if (claims.is_named[i] == 0) new_of_block[i] = next++;
 
   const auto new_of_named = par::fetch_rows<GlobalId>(comm, nodes, new_of_block, 1, named);
-  for (auto& corners : block.cell_to_node)
+  for (auto& corners : cells)
     for (auto& node : corners) node = new_of_named[static_cast<std::size_t>(node)];
 
   std::vector<GlobalId> of_triangles;

@@ -6,7 +6,6 @@
 #include <utility>
 #include <variant>
 
-#include "pamr/assemble/check_block.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/base/memory.hpp"
 #include "pamr/base/prefetch.hpp"
@@ -22,16 +21,6 @@ namespace {
 
 /// Cells whose neighbors are asked for at once.
 constexpr std::size_t cells_of_round = std::size_t{1} << 17U;
-
-/// Calls `work(begin, end)` for pieces of this rank's cells, as often on every rank. Collective.
-template <class Work>
-void in_rounds(const par::Comm& comm, std::size_t n, Work&& work) {
-  const auto rounds = comm.max(static_cast<std::int64_t>((n + cells_of_round - 1) / cells_of_round));
-  for (std::int64_t round = 0; round < rounds; ++round) {
-    const auto begin = std::min(n, static_cast<std::size_t>(round) * cells_of_round);
-    work(begin, std::min(n, begin + cells_of_round));
-  }
-}
 
 /// Gives all cells of a tree the key of its first one, whatever rank that is on. Collective: four gathers of a number a
 /// rank.
@@ -116,14 +105,21 @@ std::vector<std::uint64_t> find_keys(const par::Comm& comm, const mesh::BlockMes
   return key;
 }
 
-/// Replaces the old numbers of neighbors by the new ones. `place`: new numbers of the block's cells. Collective.
-void renumber_neighbors(const par::Comm& comm, mesh::BlockMesh& block, const std::vector<GlobalId>& place) {
+/// The numbers that this rank's cells have.
+std::vector<GlobalId> numbers_of(const mesh::BlockMesh& block) {
+  std::vector<GlobalId> numbers;
+  assign_array(numbers, block.cell_to_node.size(), GlobalId{0});
+  std::iota(numbers.begin(), numbers.end(), block.first_cell);
+  return numbers;
+}
+
+/// Replaces the old numbers of neighbors by the new ones. `old_number`, `new_number`: of this rank's cells. Collective.
+void renumber_neighbors(const par::Comm& comm, mesh::BlockMesh& block, const std::vector<GlobalId>& old_number,
+                        const std::vector<GlobalId>& new_number) {
   const auto cells = block.info.cell_ids();
-  std::vector<GlobalId> id(block.cell_to_node.size());
-  std::iota(id.begin(), id.end(), block.first_cell);
-  const auto new_of_block = par::scatter_rows<GlobalId>(comm, cells, place, 1, id);
+  const auto new_of_block = par::scatter_rows<GlobalId>(comm, cells, new_number, 1, old_number);
   const auto here = par::block_range(cells, comm.rank(), comm.size());
-  in_rounds(comm, block.cell_to_cell.size(), [&](std::size_t begin, std::size_t end) {
+  par::in_rounds(comm, block.cell_to_cell.size(), cells_of_round, [&](std::size_t begin, std::size_t end) {
     std::vector<GlobalId> asked;
     for (auto c = begin; c < end; ++c)
       for (const auto neighbor : block.cell_to_cell[c])
@@ -137,15 +133,11 @@ void renumber_neighbors(const par::Comm& comm, mesh::BlockMesh& block, const std
   });
 }
 
-/// Sends the cells to the canonical blocks of their new numbers. Returns their old ones. Collective.
-std::vector<GlobalId> move_cells(const par::Comm& comm, mesh::BlockMesh& block, const Route& route,
-                                 const assemble::Contents& contents) {
+/// Sends the cells, and what they were numbered, to the canonical blocks of their new numbers. Collective.
+void move_cells(const par::Comm& comm, mesh::BlockMesh& block, std::vector<GlobalId>& numbers, const Route& route,
+                const assemble::Contents& contents) {
   const auto send = [&](auto& rows, std::size_t width) { send_rows(comm, route, rows, width); };
-  std::vector<GlobalId> origin;
-  reserve_array(origin, block.cell_to_node.size());
-  for (std::size_t c = 0; c < block.cell_to_node.size(); ++c)
-    origin.push_back(block.first_cell + static_cast<GlobalId>(c));
-  send(origin, 1);
+  send(numbers, 1);
   send(block.cell_to_node, 1);
   if (contents.has_neighbors) send(block.cell_to_cell, 1);
   if (contents.has_lineage) send(block.lineage, 1);
@@ -153,20 +145,19 @@ std::vector<GlobalId> move_cells(const par::Comm& comm, mesh::BlockMesh& block, 
   for (auto& field : block.cell_fields)
     std::visit([&](auto& values) { send(values, at(field.n_components)); }, field.value);
   block.first_cell = par::block_range(block.info.cell_ids(), comm.rank(), comm.size()).begin;
-  return origin;
 }
 
 }  // namespace
 
-Ordered order_over_ranks(const par::Comm& comm, mesh::BlockMesh block, const CurveGrid& grid) {
-  const assemble::Contents contents{.has_neighbors = comm.any(!block.cell_to_cell.empty()),
-                                    .has_lineage = comm.any(!block.lineage.empty()),
-                                    .has_origin = comm.any(!block.cell_origin.empty())};
+Ordered order_over_ranks(const par::Comm& comm, mesh::BlockMesh block, const CurveGrid& grid,
+                         const assemble::Contents& contents) {
   const auto route = find_route(comm, block, find_keys(comm, block, grid, contents.has_lineage));
-  if (contents.has_neighbors) renumber_neighbors(comm, block, new_numbers(comm, route, block.info.cell_ids()));
+  auto numbers = numbers_of(block);
+  if (contents.has_neighbors) renumber_neighbors(comm, block, numbers, new_numbers(comm, route, block.info.cell_ids()));
+  move_cells(comm, block, numbers, route, contents);
 
   Ordered ordered;
-  ordered.cell_origin = move_cells(comm, block, route, contents);
+  ordered.cell_origin = std::move(numbers);
   ordered.node_origin = renumber_nodes(comm, block);
   ordered.block = std::move(block);
   return ordered;
