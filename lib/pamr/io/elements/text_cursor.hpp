@@ -77,6 +77,8 @@ class TextCursor {
   std::string_view keyword();
   /// Passes bytes of the present line.
   void pass(std::size_t n_bytes) { at_ = std::min(at_ + n_bytes, bytes_.size()); }
+  /// Goes back to a `position` that was.
+  void go_back(std::size_t position) { at_ = position; }
   /// Goes on at a byte of the file, not before the present one.
   void go_to(std::uint64_t byte, std::string_view what);
 

@@ -86,7 +86,7 @@ std::vector<mesh::Group> groups_of(const Entry& entry) {
 
 }  // namespace
 
-void add_face(const std::vector<std::int64_t>& nodes, std::int64_t tag, WholeMesh& mesh) {
+void add_face(std::span<const std::int64_t> nodes, std::int64_t tag, WholeMesh& mesh) {
   if (nodes.size() == 3) {
     mesh.triangle.push_back({nodes[0], nodes[1], nodes[2]});
     mesh.tag.push_back(tag);
@@ -100,7 +100,7 @@ void add_face(const std::vector<std::int64_t>& nodes, std::int64_t tag, WholeMes
 
 void read_patches(const std::filesystem::path& folder, const CaseFaces& faces, WholeMesh& mesh) {
   FoamFile in(folder / "boundary");
-  const auto n = in.count(8, "patches"), n_faces = std::ssize(faces.nodes);
+  const auto n = in.count(8, "patches"), n_faces = static_cast<std::int64_t>(faces.nodes.size());
   in.require("(");
   for (std::int64_t p = 0; p < n; ++p) {
     const auto entry = read_entry(in, mesh.left_out);

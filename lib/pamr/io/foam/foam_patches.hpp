@@ -3,20 +3,21 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <vector>
+#include <span>
 
 #include "pamr/io/elements/whole_mesh.hpp"
+#include "pamr/io/foam/foam_tokens.hpp"
 
 namespace pamr::io::foam {
 
 /// The nodes of each face of a case, and how many faces, the first ones, lie inside.
 struct CaseFaces {
-  std::vector<std::vector<std::int64_t>> nodes;
+  FaceNodes nodes;
   std::int64_t n_inner = 0;
 };
 
 /// Adds a face as triangles of that tag: of a quadrangle two, of faces of more corners none.
-void add_face(const std::vector<std::int64_t>& nodes, std::int64_t tag, WholeMesh& mesh);
+void add_face(std::span<const std::int64_t> nodes, std::int64_t tag, WholeMesh& mesh);
 
 /// Patches of the file `boundary` with their triangles, kinds and groups (`inGroups`). A patch in groups is in one of its
 /// own name as well, unless `write_foam` called it `A+B` after them; the group that OpenFOAM itself gives to a patch, that of

@@ -4,10 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
+#include <array>
 #include <charconv>
 #include <system_error>
+#include <utility>
 
+#include "pamr/base/memory.hpp"
 #include "pamr/io/elements/mesh_of_elements.hpp"
 #include "pamr/io/foam/gunzip.hpp"
 
@@ -15,7 +17,19 @@ namespace pamr::io::foam {
 
 namespace {
 
-constexpr std::string_view marks = "(){};[]";
+constexpr std::string_view marks = "(){};[]", blanks = " \t\n\v\f\r";
+
+enum class Kind : unsigned char { other, blank, mark };
+
+/// Of each character.
+constexpr auto kinds = [] {
+  std::array<Kind, 256> kind{};
+  for (const char c : marks) kind[static_cast<unsigned char>(c)] = Kind::mark;
+  for (const char c : blanks) kind[static_cast<unsigned char>(c)] = Kind::blank;
+  return kind;
+}();
+
+Kind kind_of(char c) { return kinds[static_cast<unsigned char>(c)]; }
 
 bool is_there(const std::filesystem::path& file) {
   std::error_code none;
@@ -49,15 +63,18 @@ FoamFile::FoamFile(const std::filesystem::path& file)
 
 void FoamFile::skip_blanks() {
   for (;;) {
-    const auto rest = in_.rest();
+    const auto all = in_.rest();
+    std::size_t n = 0;
+    while (n < all.size() && kind_of(all[n]) == Kind::blank) ++n;
+    in_.pass(n);
+    const auto rest = all.substr(n);
+    if (rest.empty() || rest.front() != '/') return;
     if (rest.starts_with("//")) {
       (void)in_.line();
     } else if (rest.starts_with("/*")) {
       const auto end = rest.find("*/");
       if (end == std::string_view::npos) fail("the end of a comment", "the end of the file");
       in_.pass(end + 2);
-    } else if (!rest.empty() && std::isspace(static_cast<unsigned char>(rest.front())) != 0) {
-      in_.pass(1);
     } else {
       return;
     }
@@ -75,19 +92,17 @@ std::string_view FoamFile::word(std::string_view what) {
     in_.pass(n + 1);
     return rest.substr(1, n - 1);
   }
-  if (marks.find(rest.front()) == std::string_view::npos)
-    while (n < rest.size() && std::isspace(static_cast<unsigned char>(rest[n])) == 0 &&
-           marks.find(rest[n]) == std::string_view::npos)
-      ++n;
+  if (kind_of(rest.front()) == Kind::other)
+    while (n < rest.size() && kind_of(rest[n]) == Kind::other) ++n;
   in_.pass(n);
   return rest.substr(0, n);
 }
 
 bool FoamFile::passes(std::string_view text) {
   skip_blanks();
-  const auto here = in_;
+  const auto here = in_.position();
   if (!in_.at_end() && word(text) == text) return true;
-  in_ = here;
+  in_.go_back(here);
   return false;
 }
 
@@ -109,15 +124,18 @@ std::string FoamFile::value() {
   return first;
 }
 
-std::int64_t FoamFile::integer(std::string_view what) {
-  const auto here = in_;
+template <class T>
+T FoamFile::number(std::string_view what) {
+  const auto here = in_.position();
   const auto text = word(what);
-  std::int64_t number = 0;
+  T number{};
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc() || end != text.data() + text.size())
-    here.fail(std::string(what), "\"" + std::string(text.substr(0, 40)) + "\"");
-  return number;
+  if (error == std::errc() && end == text.data() + text.size()) return number;
+  in_.go_back(here);
+  fail(std::string(what), "\"" + std::string(text.substr(0, 40)) + "\"");
 }
+
+std::int64_t FoamFile::integer(std::string_view what) { return number<std::int64_t>(what); }
 
 std::int64_t FoamFile::count(std::size_t min_bytes, std::string_view what) {
   return in_.checked_count(integer(fmt::format("the number of {}", what)), min_bytes, what);
@@ -129,31 +147,37 @@ std::int64_t FoamFile::raw_label() {
 
 std::vector<std::int64_t> FoamFile::labels() {
   std::vector<std::int64_t> numbers;
-  if (passes("{")) fail("a number before the list", "none");
-  const auto here = in_;
-  const auto announced = integer("the number of numbers");
-  if (passes("{")) {
-    // No array grows beyond the file: those of tetrahedra do not.
-    if (announced < 0 || announced > static_cast<std::int64_t>(in_.position() + in_.remaining()))
-      here.fail("a number of equal numbers that fits the file", fmt::format("{}", announced));
-    numbers.assign(static_cast<std::size_t>(announced), integer("a number"));
-    require("}");
-    return numbers;
-  }
-  const auto n = in_.checked_count(announced, binary_ ? static_cast<std::size_t>(label_bytes_) : 1, "numbers");
-  if (n == 0 && !passes("(")) return numbers;
-  if (n > 0) require("(");
-  numbers.reserve(static_cast<std::size_t>(n));
-  for (std::int64_t i = 0; i < n; ++i) numbers.push_back(binary_ ? raw_label() : integer("a number"));
-  require(")");
+  append_labels(numbers);
   return numbers;
 }
 
+void FoamFile::append_labels(std::vector<std::int64_t>& numbers) {
+  if (passes("{")) fail("a number before the list", "none");
+  const auto here = in_.position();
+  const auto announced = integer("the number of numbers");
+  if (passes("{")) {
+    // No array grows beyond the file: those of tetrahedra do not.
+    if (announced < 0 || announced > static_cast<std::int64_t>(in_.position() + in_.remaining())) {
+      in_.go_back(here);
+      fail("a number of equal numbers that fits the file", fmt::format("{}", announced));
+    }
+    numbers.insert(numbers.end(), at(announced), integer("a number"));
+    require("}");
+    return;
+  }
+  const auto n = in_.checked_count(announced, binary_ ? static_cast<std::size_t>(label_bytes_) : 1, "numbers");
+  if (n == 0 && !passes("(")) return;
+  if (n > 0) require("(");
+  if (numbers.empty()) reserve_array(numbers, at(n));
+  for (std::int64_t i = 0; i < n; ++i) numbers.push_back(binary_ ? raw_label() : integer("a number"));
+  require(")");
+}
+
 std::int64_t FoamFile::count_flags() {
-  const auto here = in_;
+  const auto here = in_.position();
   const auto announced = integer("the number of flags");
   if (!binary_ || passes("{")) {
-    in_ = here;
+    in_.go_back(here);
     const auto flags = labels();
     return std::count_if(flags.begin(), flags.end(), [](std::int64_t flag) { return flag != 0; });
   }
@@ -174,11 +198,7 @@ std::vector<geometry::Vec3> FoamFile::points() {
     if (!binary_) require("(");
     for (std::size_t k = 0; k < 3; ++k)
       if (!binary_) {
-        const auto here = in_;
-        const auto text = word("a coordinate");
-        const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), p[k]);
-        if (error != std::errc() || end != text.data() + text.size())
-          here.fail("a coordinate", "\"" + std::string(text.substr(0, 40)) + "\"");
+        p[k] = number<double>("a coordinate");
       } else {
         p[k] = scalar_bytes_ == 4 ? static_cast<double>(in_.value<float>("a coordinate"))
                                   : in_.value<double>("a coordinate");
@@ -189,23 +209,27 @@ std::vector<geometry::Vec3> FoamFile::points() {
   return result;
 }
 
-std::vector<std::vector<std::int64_t>> FoamFile::faces() {
-  std::vector<std::vector<std::int64_t>> result;
+FaceNodes FoamFile::faces() {
   if (is_compact_ && binary_) {
-    const auto begins = labels(), nodes = labels();
-    for (std::size_t f = 0; f + 1 < begins.size(); ++f) {
-      if (begins[f] < 0 || begins[f + 1] < begins[f] || begins[f + 1] > std::ssize(nodes))
+    auto begin = labels(), node = labels();
+    for (std::size_t f = 0; f + 1 < begin.size(); ++f)
+      if (begin[f] < 0 || begin[f + 1] < begin[f] || begin[f + 1] > std::ssize(node))
         fail("begins of faces that grow", "others");
-      result.emplace_back(nodes.begin() + begins[f], nodes.begin() + begins[f + 1]);
-    }
-    return result;
+    return {std::move(begin), std::move(node)};
   }
   if (binary_) fail("binary faces of class faceCompactList", "another class");
   const auto n = count(7, "faces");
   require("(");
-  for (std::int64_t i = 0; i < n; ++i) result.push_back(labels());
+  std::vector<std::int64_t> begin, node;
+  reserve_array(begin, at(n) + 1);
+  reserve_array(node, 3 * at(n));
+  begin.push_back(0);
+  for (std::int64_t i = 0; i < n; ++i) {
+    append_labels(node);
+    begin.push_back(std::ssize(node));
+  }
   require(")");
-  return result;
+  return {std::move(begin), std::move(node)};
 }
 
 }  // namespace pamr::io::foam

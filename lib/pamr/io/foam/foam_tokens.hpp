@@ -4,10 +4,13 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
+#include "pamr/base/index.hpp"
 #include "pamr/geometry/vec3.hpp"
 #include "pamr/io/elements/text_cursor.hpp"
 
@@ -17,6 +20,23 @@ namespace pamr::io::foam {
 
 /// Whether a file is there, packed by gzip or not.
 bool is_present(const std::filesystem::path& file);
+
+/// Nodes of faces that have any number of corners.
+class FaceNodes {
+ public:
+  FaceNodes() = default;
+  /// `begin`: where each face begins among the nodes, and where the last one ends; ascending. Empty: no faces.
+  FaceNodes(std::vector<std::int64_t> begin, std::vector<std::int64_t> node)
+      : begin_(std::move(begin)), node_(std::move(node)) {}
+
+  std::size_t size() const { return begin_.empty() ? 0 : begin_.size() - 1; }
+  std::span<const std::int64_t> operator[](std::size_t face) const {
+    return std::span(node_).subspan(at(begin_[face]), at(begin_[face + 1] - begin_[face]));
+  }
+
+ private:
+  std::vector<std::int64_t> begin_, node_;
+};
 
 /// One file of `polyMesh`, read from front to back. Local; errors name the file and the line.
 class FoamFile {
@@ -49,8 +69,7 @@ class FoamFile {
   /// Reads a list of 0 and 1, which bytes hold in one each; how many are 1.
   std::int64_t count_flags();
   std::vector<geometry::Vec3> points();
-  /// The nodes of each face.
-  std::vector<std::vector<std::int64_t>> faces();
+  FaceNodes faces();
 
   /// The count before a list; each item takes at least so many bytes.
   std::int64_t count(std::size_t min_bytes, std::string_view what);
@@ -59,6 +78,9 @@ class FoamFile {
  private:
   std::string value();
   void skip_blanks();
+  template <class T>
+  T number(std::string_view what);
+  void append_labels(std::vector<std::int64_t>& numbers);
   std::int64_t raw_label();
 
   std::filesystem::path file_;  ///< with .gz where it is packed

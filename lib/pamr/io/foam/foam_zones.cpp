@@ -98,7 +98,7 @@ void read_face_zones(const std::filesystem::path& folder, const CaseFaces& faces
   FoamFile in(folder / "faceZones");
   std::map<std::string, std::int64_t> tag_of;
   for (const auto& [tag, patch] : mesh.patch_of_tag) tag_of[patch.name] = tag;
-  const auto n = in.count(8, "zones"), n_faces = std::ssize(faces.nodes);
+  const auto n = in.count(8, "zones"), n_faces = static_cast<std::int64_t>(faces.nodes.size());
   in.require("(");
   for (std::int64_t z = 0; z < n; ++z) {
     const auto zone = read_face_zone(in);
@@ -107,7 +107,7 @@ void read_face_zones(const std::filesystem::path& folder, const CaseFaces& faces
     for (const auto label : zone.faces) {
       if (label < 0 || label >= n_faces)
         in.fail(fmt::format("faces of zone '{}' from 0 to {}", zone.name, n_faces - 1), fmt::format("{}", label));
-      const auto& node = faces.nodes[at(label)];
+      const auto node = faces.nodes[at(label)];
       if (label >= faces.n_inner) ++n_outside;
       if (label < faces.n_inner) add_face(node, entry->second, mesh);
     }

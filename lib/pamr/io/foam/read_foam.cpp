@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <numeric>
 #include <set>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -14,6 +16,7 @@
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/base/listed.hpp"
+#include "pamr/base/memory.hpp"
 #include "pamr/io/elements/cut_elements.hpp"
 #include "pamr/io/elements/whole_mesh.hpp"
 #include "pamr/io/export/write_foam.hpp"
@@ -78,24 +81,31 @@ class CaseReader {
   /// Faces of each cell; those of which it is not the owner are seen from inside.
   void make_cells() {
     std::int64_t n_cells = 0;
-    const auto most = 2 * std::ssize(faces_.nodes);
+    const auto most = 2 * std::ssize(owner_);
     for (const auto* cells : {&owner_, &neighbor_})
       for (const auto cell : *cells) {
         if (cell < 0 || cell >= most)
           throw Error(fmt::format("expected numbers of cells from 0 to {}, found {}", most - 1, cell));
         n_cells = std::max(n_cells, cell + 1);
       }
-    std::vector<std::vector<std::size_t>> faces_of(at(n_cells));
-    for (std::size_t f = 0; f < owner_.size(); ++f) faces_of[at(owner_[f])].push_back(f);
-    for (std::size_t f = 0; f < neighbor_.size(); ++f) faces_of[at(neighbor_[f])].push_back(f);
-    for (std::size_t c = 0; c < faces_of.size(); ++c) {
+    std::vector<std::size_t> end, face;  // of each cell: where its faces end, those of which it is the owner first
+    assign_array(end, at(n_cells) + 1, std::size_t{0});
+    assign_array(face, owner_.size() + neighbor_.size(), std::size_t{0});
+    for (const auto* cells : {&owner_, &neighbor_})
+      for (const auto cell : *cells) ++end[at(cell) + 1];
+    std::partial_sum(end.begin(), end.end(), end.begin());
+    for (const auto* cells : {&owner_, &neighbor_})
+      for (std::size_t f = 0; f < cells->size(); ++f) face[end[at((*cells)[f])]++] = f;
+    reserve_array(mesh_.cell, at(n_cells));
+    reserve_array(first_of_cell_, at(n_cells) + 1);
+    for (std::size_t c = 0, begin = 0; c < at(n_cells); begin = end[c++]) {
       first_of_cell_.push_back(mesh_.cell.size());
-      make_cell(static_cast<std::int64_t>(c), faces_of[c]);
+      make_cell(static_cast<std::int64_t>(c), std::span(face).subspan(begin, end[c] - begin));
     }
     first_of_cell_.push_back(mesh_.cell.size());
   }
 
-  void make_cell(std::int64_t cell, const std::vector<std::size_t>& own) {
+  void make_cell(std::int64_t cell, std::span<const std::size_t> own) {
     const auto n_triangles =
         std::count_if(own.begin(), own.end(), [&](std::size_t f) { return faces_.nodes[f].size() == 3; });
     const auto n_quads =
@@ -112,7 +122,7 @@ class CaseReader {
         ++mesh_.refused[type];
       return;
     }
-    const auto& base = faces_.nodes[own[0]];
+    const auto base = faces_.nodes[own[0]];
     std::int64_t apex = -1;
     for (std::size_t k = 1; k < 4; ++k)
       for (const auto node : faces_.nodes[own[k]]) {
@@ -128,18 +138,19 @@ class CaseReader {
   }
 
   /// A prism or a pyramid: over a triangle, or over the quadrangle, stand the nodes that the base does not have.
-  void cut_cell(std::int64_t cell, int type, const std::vector<std::size_t>& own) {
+  void cut_cell(std::int64_t cell, int type, std::span<const std::size_t> own) {
     const std::size_t n_base = type == element_type::prism ? 3 : 4;
     const auto at_base =
         *std::find_if(own.begin(), own.end(), [&](std::size_t f) { return faces_.nodes[f].size() == n_base; });
-    auto nodes = faces_.nodes[at_base];
+    const auto at_bottom = faces_.nodes[at_base];
+    std::vector<std::int64_t> nodes(at_bottom.begin(), at_bottom.end());
     if (owner_[at_base] == cell) std::reverse(nodes.begin(), nodes.end());
     const auto base = nodes;
     const auto is_in_base = [&](std::int64_t node) { return std::find(base.begin(), base.end(), node) != base.end(); };
     for (std::size_t corner = 0; corner < (n_base == 3 ? n_base : 1); ++corner) {
       std::set<std::int64_t> above;  // neighbors of the corner in the other faces
       for (const auto f : own) {
-        const auto& face = faces_.nodes[f];
+        const auto face = faces_.nodes[f];
         const auto found = std::find(face.begin(), face.end(), base[corner]);
         if (f == at_base || found == face.end()) continue;
         const auto place = static_cast<std::size_t>(found - face.begin());
