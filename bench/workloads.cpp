@@ -9,7 +9,6 @@
 #include "pamr/assemble/assemble.hpp"
 #include "pamr/assemble/kuhn_cube.hpp"
 #include "pamr/base/index.hpp"
-#include "pamr/base/memory.hpp"
 #include "pamr/mesh/inner_patches.hpp"
 #include "pamr/mesh/tet.hpp"
 

@@ -3,6 +3,7 @@
 machine has lent to its host comes back before a run, not in it (docs/reports/performance.md, "Runs that differ"). The
 host may take it again after two seconds."""
 
+import contextlib
 import mmap
 import pathlib
 import re
@@ -12,16 +13,16 @@ LEAST = 32 * LARGE_PAGE  # what an allocator keeps to itself, and caches hold
 
 
 def warm_memory(size):
-    """`size`: bytes. As warm_memory.hpp."""
+    """`size`: bytes. As memory.hpp."""
     if size < LEAST:
         return
     text = pathlib.Path("/proc/meminfo").read_text(encoding="ascii")
     free = int(re.search(r"MemAvailable:\s*(\d+)", text).group(1)) << 10
     size = min(size, free // 2) // LARGE_PAGE * LARGE_PAGE
     with mmap.mmap(-1, size, mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS) as memory:
-        memory.madvise(mmap.MADV_HUGEPAGE)
-        for page in range(0, len(memory), LARGE_PAGE):
-            memory[page] = 1
+        with contextlib.suppress(OSError):  # a system without large pages
+            memory.madvise(mmap.MADV_HUGEPAGE)
+        memory[:: mmap.PAGESIZE] = bytes(len(memory) // mmap.PAGESIZE)
 
 
 if __name__ == "__main__":

@@ -206,11 +206,12 @@ void follow_levels(const std::string& workload, const std::string& mesh_name, in
   assess_again();
   if (assesses) print_line(peer, workload, 0, "", assessment);
   for (int level = 1; level <= levels; ++level) {
-    const auto flags = is_uniform ? std::vector<std::int8_t>{} : flags_of(peer, law);
+    auto flags = is_uniform ? std::vector<std::int8_t>{} : flags_of(peer, law);
     peer.mark(flags);
     const auto n_split =
         is_uniform ? peer.n_cells() : static_cast<std::size_t>(std::count(flags.begin(), flags.end(), 1));
     warm_memory(bytes_of_cell * (peer.n_cells() + 8 * n_split));
+    std::vector<std::int8_t>().swap(flags);
     forget_peak();
     double cpu = measured([&] { peer.refine(); });
     while (peer.mark_more()) cpu += measured([&] { peer.refine(); });

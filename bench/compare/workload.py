@@ -151,6 +151,7 @@ def follow_levels(peer, workload, mesh_name, levels, assesses):
             flags = law(peer.corners(mesh)).astype(np.int8)
             n_split = np.count_nonzero(flags)
             peer.mark(mesh, flags)
+            del flags
         warm_memory(int(BYTES_OF_CELL * (n_cells + 8 * n_split)))
         forget_peak()
         mesh, cpu = measured(peer.refine, mesh)

@@ -490,7 +490,7 @@ def test_cgns_elements_with_equal_numbers_are_refused():
     run("pamr-convert", "cube.hdf", "c.cgns", "--quiet")
     with h5py.File("c.cgns", "r+") as file:
         file["Base/Zone1/xmax/ElementRange/ data"][:] = file["Base/Zone1/xmin/ElementRange/ data"][:]
-    refuses("pamr-convert", "c.cgns", "n.hdf", says=["c.cgns", "expected elements with different numbers, found two with number 7"],
+    refuses("pamr-convert", "c.cgns", "n.hdf", says=["c.cgns", "expected cells, and triangles, with different numbers, found two with number 7"],
             creates="n.hdf")
 
 

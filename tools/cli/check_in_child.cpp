@@ -92,15 +92,18 @@ std::string receive(int pipe_end) {
 /// For the child that reads a file of HDF5: what it needs beyond the limits that hold for all files.
 void allow_time_for(std::uint64_t bytes) {
   constexpr rlim_t slowest = rlim_t{4} << 20U;  // a processor inflates at least so many bytes a second
+  static std::uint64_t left = 0;                // of the child: less than a second's
+  left += bytes;
   rlimit now{};
-  if (getrlimit(RLIMIT_CPU, &now) == 0) set_limit(RLIMIT_CPU, now.rlim_cur + bytes / slowest);
+  if (getrlimit(RLIMIT_CPU, &now) == 0) set_limit(RLIMIT_CPU, now.rlim_cur + left / slowest);
+  left %= slowest;
 }
 
-/// Where it makes a mesh of an array, too: as much as the array, and what elements, cells and their groups take.
+/// Where it makes a mesh of an array, too: prisms that are cut and put in order take the most, nine times the array.
 void allow_mesh_for(std::uint64_t bytes) {
   allow_time_for(bytes);
   rlimit now{};
-  if (getrlimit(RLIMIT_AS, &now) == 0) set_limit(RLIMIT_AS, now.rlim_cur + 4 * bytes);
+  if (getrlimit(RLIMIT_AS, &now) == 0) set_limit(RLIMIT_AS, now.rlim_cur + 12 * bytes);
 }
 
 /// Reads a CAD file as a tool will.

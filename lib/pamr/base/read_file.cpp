@@ -16,18 +16,14 @@ std::optional<std::string> read_file(const std::filesystem::path& file) {
   const auto expected = std::filesystem::file_size(file, unknown);
   std::string text;
   std::size_t n = 0;
-  try {
-    do {
-      text.resize(std::max({least, 2 * n, unknown ? std::size_t{0} : static_cast<std::size_t>(expected) + 1}));
-      in.read(text.data() + n, static_cast<std::streamsize>(text.size() - n));
-      n += static_cast<std::size_t>(in.gcount());
-    } while (in);
-    if (in.bad()) return std::nullopt;
-    text.resize(n);
-    return text;
-  } catch (const std::ios_base::failure&) {  // a bad disk, or a folder
-    return std::nullopt;
-  }
+  do {
+    text.resize(std::max({least, 2 * n, unknown ? std::size_t{0} : static_cast<std::size_t>(expected) + 1}));
+    in.read(text.data() + n, static_cast<std::streamsize>(text.size() - n));
+    n += static_cast<std::size_t>(in.gcount());
+  } while (in);
+  if (in.bad()) return std::nullopt;  // a bad disk, or a folder
+  text.resize(n);
+  return text;
 }
 
 }  // namespace pamr

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <iterator>
 #include <map>
 #include <numeric>
 #include <set>
@@ -133,8 +132,8 @@ class ConditionReader {
     std::vector<std::int64_t> numbers;
     if (range.size() != 2) return numbers;
     const auto add = [&](const Elements& known) {
-      for (const auto& run : known.runs())
-        for (auto n = std::max(range[0], run.number); n < run.end() && n <= range[1]; ++n) numbers.push_back(n);
+      for (auto run = known.run_after(range[0]); run != known.runs().end() && run->number <= range[1]; ++run)
+        for (auto n = std::max(range[0], run->number); n < run->end() && n <= range[1]; ++n) numbers.push_back(n);
     };
     if (are_elements) {
       add(elements_.triangles);
@@ -185,14 +184,17 @@ void Elements::put_in_order() {
   std::stable_sort(runs_.begin(), runs_.end(), is_before);
   for (std::size_t i = 1; i < runs_.size(); ++i)
     if (runs_[i].number < runs_[i - 1].end())
-      throw Error(fmt::format("expected elements with different numbers, found two with number {}", runs_[i].number));
+      throw Error(fmt::format("expected cells, and triangles, with different numbers, found two with number {}",
+                              runs_[i].number));
 }
 
 Elements::Pieces Elements::find(std::int64_t number) const {
-  const auto after = std::upper_bound(runs_.begin(), runs_.end(), number,
-                                      [](std::int64_t wanted, const Run& run) { return wanted < run.number; });
-  if (after == runs_.begin() || number >= std::prev(after)->end()) return {};
-  return std::prev(after)->of(number);
+  const auto run = run_after(number);
+  return run == runs_.end() || number < run->number ? Pieces{} : run->of(number);
+}
+
+std::vector<Elements::Run>::const_iterator Elements::run_after(std::int64_t number) const {
+  return std::partition_point(runs_.begin(), runs_.end(), [&](const Run& run) { return run.end() <= number; });
 }
 
 std::int64_t Elements::size() const {

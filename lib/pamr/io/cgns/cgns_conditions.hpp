@@ -35,6 +35,8 @@ class Elements {
   void put_in_order();
   /// No pieces where there is no such element.
   Pieces find(std::int64_t number) const;
+  /// The first run that ends after this number.
+  std::vector<Run>::const_iterator run_after(std::int64_t number) const;
   /// Numbers in ascending order.
   const std::vector<Run>& runs() const { return runs_; }
   std::int64_t size() const;

@@ -122,8 +122,10 @@ std::vector<T> Tree::read(const Node& node, hid_t type) const {
   if (kind != H5T_INTEGER && kind != H5T_FLOAT) throw Error(node.path + ": expected numbers, found other data");
   if (H5Pget_external_count(properties.id()) != 0)
     throw Error(node.path + ": expected the data inside the file, found a reference");
-  const auto n = n_values(node), packing = H5Pget_nfilters(properties.id()) > 0 ? std::int64_t{1100} : std::int64_t{1};
-  if (n > packing * file_bytes_ / static_cast<std::int64_t>(std::max<std::size_t>(1, H5Tget_size(stored.id()))))
+  const auto n = n_values(node), size = static_cast<std::int64_t>(std::max<std::size_t>(1, H5Tget_size(stored.id())));
+  const auto in_file = std::min(file_bytes_, static_cast<std::int64_t>(H5Dget_storage_size(data.id())));
+  const auto packing = H5Pget_nfilters(properties.id()) > 0 ? std::int64_t{1100} : std::int64_t{1};
+  if (n > (packing > 1 ? packing * in_file : file_bytes_) / size)
     throw Error(fmt::format("{}: expected values that fit the file, found {}", node.path, n));
   if (before_read_) before_read_(static_cast<std::uint64_t>(n) * sizeof(T));
   std::vector<T> values;

@@ -125,8 +125,9 @@ class ZoneReader {
     const auto n = range[1] - range[0] + 1;
     if (n > std::ssize(nodes)) throw Error(section.path + ": expected nodes of all elements, found fewer");
     if (head[0] == tetrahedra && mesh_.cell.empty()) {
-      reserve_array(mesh_.cell, at(n));
-      reserve_array(elements_.group_of_cell, at(n));
+      const auto most = std::min(at(n), nodes.size() / 4);
+      reserve_array(mesh_.cell, most);
+      reserve_array(elements_.group_of_cell, most);
     }
     group_ = -1;
     tag_ = -1;
@@ -211,6 +212,8 @@ class ZoneReader {
   void put_cells_in_order() {
     if (elements_.cells.were_in_order() && mesh_.cut.empty()) return;
     std::vector<std::size_t> order, row_of_piece;
+    reserve_array(order, mesh_.cell.size());
+    reserve_array(row_of_piece, mesh_.cell.size());
     std::size_t row = 0;
     for (const auto& run : elements_.cells.runs())
       for (auto element = run.number; element < run.end(); ++element, ++row)
@@ -228,7 +231,7 @@ class ZoneReader {
   template <class T>
   static std::vector<T> chosen(const std::vector<T>& all, const std::vector<std::size_t>& rows, std::size_t width) {
     std::vector<T> result;
-    result.reserve(rows.size() * width);
+    reserve_array(result, rows.size() * width);
     for (const auto row : rows)
       for (std::size_t k = 0; k < width; ++k) result.push_back(all[row * width + k]);
     return result;
