@@ -12,8 +12,8 @@
 
 namespace pamr::mesh {
 
-/// The nodes that cells name, in order of first use. `place_at(cell, corner, place)` takes the place of each corner's node
-/// among them, as soon as that corner has been read. Local.
+/// The nodes that cells name, in order of first use. `place_at(cell, corner, place)` takes the place of each corner's
+/// node among them, as soon as that corner has been read. Local.
 template <class PlaceAt>
 std::vector<GlobalId> nodes_by_first_use(const std::vector<std::array<GlobalId, 4>>& cells, PlaceAt&& place_at) {
   std::vector<GlobalId> named;
