@@ -16,11 +16,12 @@ namespace pamr::io {
 /// components; an integer field `region` has the regions.
 ///
 /// Rank 0 reads the file as a whole. Collective. Throws the same `Error` on every rank for what is no such file, for
-/// several bases or zones and structured ones, for cells or triangles of equal numbers, and for what `mesh_of_elements` refuses.
+/// several bases or zones and structured ones, for cells or triangles of equal numbers, and for what `mesh_of_elements`
+/// refuses.
 ElementMesh read_cgns(const par::Comm& comm, const std::filesystem::path& file, const ElementOptions& options = {});
 
-/// Reads, and drops, all that `read_cgns` does, each array after a call of `before_read` with its bytes in memory: for a
-/// process that may die of a damaged file, without MPI. Local.
+/// Reads, and drops, all that `read_cgns` does, each array after a call of `before_read` with its bytes in memory: for
+/// a process that may die of a damaged file, without MPI. Local.
 void try_reading_cgns(const std::filesystem::path& file, const std::function<void(std::uint64_t bytes)>& before_read);
 
 }  // namespace pamr::io
