@@ -6,11 +6,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <fstream>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "compare/memory.hpp"
 #include "pamr/adapt/adapt.hpp"
 #include "pamr/assemble/assemble.hpp"
 #include "pamr/assemble/kuhn_cube.hpp"
@@ -47,16 +47,6 @@ std::vector<std::int8_t> flags_of(const mesh::DistMesh& mesh, double x, int leve
   return flags;
 }
 
-std::size_t status_bytes(const std::string& key) {
-  std::ifstream status("/proc/self/status");
-  for (std::string line; std::getline(status, line);)
-    if (line.rfind(key + ":", 0) == 0) return 1024 * std::strtoull(line.c_str() + key.size() + 1, nullptr, 10);
-  return 0;
-}
-
-/// Forgets the largest memory that this process has held so far.
-void reset_peak() { std::ofstream("/proc/self/clear_refs") << "5"; }
-
 /// Compute of each step for each cell, all ranks together. Collective.
 std::string steps_text(const par::Comm& comm, const std::vector<StepTime>& steps, double cells) {
   std::string text;
@@ -82,13 +72,13 @@ int run(int n, int levels, int n_steps, double shift, const char* balance) {
     x += shift;
     const auto flags = flags_of(mesh, x, levels);
     comm.barrier();
-    reset_peak();
+    peer::restart_peak();
     const double cpu = cpu_seconds(), wall = wall_seconds();
     auto result = adapt::adapt(comm, std::move(mesh), flags, options);
     const double seconds = cpu_seconds() - cpu, elapsed = wall_seconds() - wall;
     const auto& [cells_in, cells_out] = std::pair(result.report.cells_in, result.report.cells_out);
     const auto cells = static_cast<double>(std::max(cells_in, cells_out));
-    const auto peak = static_cast<double>(comm.sum(static_cast<std::int64_t>(status_bytes("VmHWM"))));
+    const auto peak = static_cast<double>(comm.sum(std::int64_t{peer::status_bytes("VmHWM:")}));
     double compute = 0;
     for (const auto& s : result.report.steps) compute += s.compute();
     compute = 1e-6 * static_cast<double>(comm.sum(static_cast<std::int64_t>(1e6 * compute)));

@@ -16,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include "compare/memory.hpp"
 #include "mpi_counts.hpp"
 #include "pamr/assemble/assemble.hpp"
 #include "pamr/base/error.hpp"
@@ -82,17 +83,6 @@ nlohmann::json results_of(const pb::Analysis& analysis) {
   return result;
 }
 
-/// Resident memory of this process now ("VmRSS:") or its largest since the last `restart_peak` ("VmHWM:"), bytes.
-double resident_bytes(const std::string& key) {
-  std::ifstream status("/proc/self/status");
-  double kilobytes = 0;
-  for (std::string word; status >> word;)
-    if (word == key) status >> kilobytes;
-  return 1024 * kilobytes;
-}
-
-void restart_peak() { std::ofstream("/proc/self/clear_refs") << 5; }
-
 /// Takes the neighbors away and leaves the triangles of the boundary.
 void forget_neighbors(mesh::BlockMesh& block) {
   for (std::size_t c = 0; c < block.cell_to_cell.size(); ++c)
@@ -118,8 +108,8 @@ void run(const par::Comm& comm, const char* case_file, const char* mesh_file, bo
   Steps steps(comm);
   auto block = io::read_native(comm, mesh_file, {.build_surfaces = needs_surfaces});
   if (from_arrays) forget_neighbors(block);
-  restart_peak();
-  const double before = resident_bytes("VmRSS:");
+  peer::restart_peak();
+  const long before = peer::status_bytes("VmRSS:");
   steps.lap("read");
   auto assembled = assemble::assemble(comm, std::move(block));
   steps.lap("topology");
@@ -135,7 +125,7 @@ void run(const par::Comm& comm, const char* case_file, const char* mesh_file, bo
   const auto solution = system.solve({}, {});
   if (!solution.converged) throw Error("expected a solution, found none: " + solution.reason);
   steps.lap("solve");
-  const double solved = resident_bytes("VmHWM:");
+  const long solved = peer::status_bytes("VmHWM:");
   const auto analysis = pb::analyze(comm, problem, system, solution, 1e8);
   steps.lap("analyze");
 
@@ -145,9 +135,9 @@ void run(const par::Comm& comm, const char* case_file, const char* mesh_file, bo
   gather("unknowns", static_cast<double>(domain.nodes.n_owned()));
   gather("copies", static_cast<double>(domain.nodes.n_nodes() - domain.nodes.n_owned()));
   gather("neighbors", static_cast<double>(domain.nodes.shared().rank.size()));
-  gather("peak_rss_bytes", resident_bytes("VmHWM:"));
-  gather("peak_to_solution_bytes", solved);
-  gather("bytes_before_topology", before);
+  gather("peak_rss_bytes", static_cast<double>(peer::status_bytes("VmHWM:")));
+  gather("peak_to_solution_bytes", static_cast<double>(solved));
+  gather("bytes_before_topology", static_cast<double>(before));
   const nlohmann::json report{
       {"ranks", comm.size()},
       {"cells", mesh.info.n_global_cells},

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 
 #include "bench/compare/memory.hpp"
 #include "pamr/assemble/assemble.hpp"
@@ -81,9 +80,6 @@ std::vector<std::uint8_t> mark_box(const mesh::DistMesh& mesh, geometry::Vec3 lo
 
 std::size_t resident_bytes() { return static_cast<std::size_t>(peer::status_bytes("VmRSS:")); }
 std::size_t peak_bytes() { return static_cast<std::size_t>(peer::status_bytes("VmHWM:")); }
-void reset_peak() {
-  std::ofstream clear("/proc/self/clear_refs");
-  clear << "5";
-}
+void reset_peak() { peer::restart_peak(); }
 
 }  // namespace pamr::bench

@@ -23,10 +23,13 @@ inline long status_bytes(const std::string& key, const char* file = "/proc/self/
   return 0;
 }
 
-/// Gives back what is free, so that the peak to come is that of the call.
+/// Forgets the peak so far where the system allows it: `VmHWM:` is of what comes next.
+inline void restart_peak() { std::ofstream("/proc/self/clear_refs") << "5"; }
+
+/// Gives back what is free too, so that the peak to come is that of the call.
 inline void forget_peak() {
   malloc_trim(0);
-  std::ofstream("/proc/self/clear_refs") << "5";
+  restart_peak();
 }
 
 /// Takes memory in large pages, at most half of what is free, and gives it back: what a virtual machine has lent to its

@@ -7,12 +7,12 @@
 #include <algorithm>
 #include <array>
 #include <fstream>
-#include <iterator>
 #include <limits>
 #include <optional>
 #include <string>
 
 #include "pamr/base/hash.hpp"
+#include "pamr/base/read_file.hpp"
 
 namespace pamr {
 
@@ -57,8 +57,7 @@ std::uint64_t limit_of_group() {
 }  // namespace
 
 std::uint64_t machine_id() {
-  std::ifstream in("/proc/sys/kernel/random/boot_id");
-  std::string text{std::istreambuf_iterator<char>(in), {}};
+  auto text = read_file("/proc/sys/kernel/random/boot_id").value_or("");
   if (text.empty()) {
     std::array<char, 256> name{};
     (void)gethostname(name.data(), name.size() - 1);

@@ -7,14 +7,13 @@
 #include <climits>
 #include <csignal>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <sstream>
 #include <string>
 #include <system_error>
 
 #include "pamr/base/hash.hpp"
 #include "pamr/base/machine.hpp"
+#include "pamr/base/read_file.hpp"
 
 namespace pamr {
 
@@ -27,8 +26,7 @@ struct Running {
   std::uint64_t start = 0;
 };
 std::optional<Running> look_up(const std::string& process) {
-  std::ifstream in("/proc/" + process + "/stat");
-  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  const auto text = read_file("/proc/" + process + "/stat").value_or("");
   const auto behind = text.rfind(") ");
   if (behind == std::string::npos) return {};
   std::istringstream fields(text.substr(behind + 2));

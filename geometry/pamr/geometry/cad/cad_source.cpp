@@ -6,12 +6,11 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <fstream>
-#include <iterator>
 #include <utility>
 
 #include "pamr/base/error.hpp"
 #include "pamr/base/listed.hpp"
+#include "pamr/base/read_file.hpp"
 #include "pamr/geometry/cad/cad_surface.hpp"
 #include "pamr/geometry/described_surface.hpp"
 #include "pamr/geometry/surface_toml.hpp"
@@ -74,9 +73,9 @@ CadSource read_cad_source(const std::filesystem::path& file) {
   if (!is_cad_file(file))
     throw Error(fmt::format("file '{}': expected a name that ends in .step, .stp, .iges, .igs or .brep, found \"{}\"",
                             file.string(), file.extension().string()));
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw Error(fmt::format("file '{}': expected a file that may be read, found none", file.string()));
-  CadSource source{file.filename().string(), {std::istreambuf_iterator<char>(stream), {}}};
+  auto text = read_file(file);
+  if (!text) throw Error(fmt::format("file '{}': expected a file that may be read, found none", file.string()));
+  CadSource source{file.filename().string(), std::move(*text)};
   if (!is_utf8(source.text)) source.text = from_latin_1(source.text);
   const auto is_strange = [](char c) {
     const auto code = static_cast<unsigned char>(c);

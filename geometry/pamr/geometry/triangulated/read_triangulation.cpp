@@ -6,9 +6,8 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <fstream>
-#include <iterator>
 #include <limits>
+#include <optional>
 #include <set>
 #include <span>
 #include <utility>
@@ -17,6 +16,7 @@
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/base/listed.hpp"
+#include "pamr/base/read_file.hpp"
 #include "pamr/geometry/parameters.hpp"
 #include "pamr/geometry/triangulated/check_triangulation.hpp"
 #include "pamr/geometry/triangulated/edge_table.hpp"
@@ -33,14 +33,12 @@ constexpr double largest_size = 1e100;  // squares of lengths stay finite
 
 std::string bytes_of(const std::filesystem::path& file) {
   errno = 0;
-  std::ifstream stream(file, std::ios::binary);
   std::error_code error;
-  if (!stream || !std::filesystem::is_regular_file(file, error))
+  auto bytes = std::filesystem::is_regular_file(file, error) ? read_file(file) : std::nullopt;
+  if (!bytes)
     throw Error(file.string() + ": expected a surface file that can be read, found " +
                 (errno != 0 ? std::strerror(errno) : "no such file"));
-  std::string bytes{std::istreambuf_iterator<char>(stream), {}};
-  if (stream.bad()) throw Error(file.string() + ": cannot be read");
-  return bytes;
+  return std::move(*bytes);
 }
 
 NamedTriangulation parse(std::string_view bytes, const std::string& where) {

@@ -50,25 +50,25 @@ class ConditionReader {
         auto type = tree_.text(condition);
         if (type == "FamilySpecified") std::tie(name, type) = family_of(condition);
         std::vector<std::size_t> triangles;
-        bool has_cells = false;
+        std::int32_t of_cells = -1;
         if (on_elements) {
           for (const auto number : named.number) {
             const auto faces = elements_.triangles.find(number);
             for (std::size_t k = 0; k < faces.n; ++k) triangles.push_back(faces.first + k);
             const auto [first, n] = elements_.cells.find(number);
             if (n == 0) continue;
-            const auto of_cells = elements_.group_of(name);
+            if (of_cells < 0) of_cells = elements_.group_of(name);
             const auto group = elements_.group_of_cell.begin() + static_cast<std::ptrdiff_t>(first);
             if (std::exchange(is_named_cell[first], 1) == 0)
               std::fill_n(group, n, of_cells);
             else if (*group != of_cells)
               ++shared_[{3, elements_.name_of_group[at(*group)], name}];
-            has_cells = elements_.has_named_cells = true;
           }
         } else {
           triangles = triangles_within(named.number);
         }
-        if (triangles.empty() && has_cells) continue;
+        if (of_cells >= 0) elements_.has_named_cells = true;
+        if (triangles.empty() && of_cells >= 0) continue;
         const auto tag = elements_.tag_of(name, mesh_);
         take_kind(condition, type, mesh_.patch_of_tag[tag]);
         of_conditions.insert(tag);

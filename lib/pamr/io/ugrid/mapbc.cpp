@@ -4,14 +4,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 #include <set>
+#include <utility>
 #include <vector>
 
 #include "pamr/base/counted.hpp"
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
+#include "pamr/base/read_file.hpp"
 #include "pamr/io/elements/text_cursor.hpp"
 #include "pamr/io/text.hpp"
 
@@ -23,11 +23,9 @@ namespace {
 std::string text_of(const std::filesystem::path& file) {
   std::error_code none;
   if (!std::filesystem::exists(file, none)) return {};
-  std::ifstream in(file, std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(in), {}};
-  if (!in.is_open() || in.bad())
-    throw Error(fmt::format("file '{}': expected a file that can be read, found another", file.string()));
-  return text.empty() ? " " : text;
+  auto text = read_file(file);
+  if (!text) throw Error(fmt::format("file '{}': expected a file that can be read, found another", file.string()));
+  return text->empty() ? " " : std::move(*text);
 }
 
 std::string name_in(std::string_view rest, std::int64_t number) {
