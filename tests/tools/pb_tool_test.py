@@ -357,6 +357,26 @@ def test_the_boundary_can_be_written():
 CASES = pathlib.Path(__file__).resolve().parents[2] / "cases"
 
 
+def lumped_solution(points, cells, potential):
+    """Of -div grad u + sinh u = 0 with linear elements, sinh lumped at the nodes, u given at z = 0, by Newton's method."""
+    p = points[cells]
+    edges = p[:, 1:] - p[:, :1]
+    gradient = np.linalg.inv(edges).transpose(0, 2, 1)
+    gradient = np.concatenate([-gradient.sum(axis=1, keepdims=True), gradient], axis=1)
+    volume = np.abs(np.linalg.det(edges)) / 6
+    stiffness, lumped = np.zeros((len(points),) * 2), np.zeros(len(points))
+    for i in range(4):
+        np.add.at(lumped, cells[:, i], volume / 4)
+        for j in range(4):
+            np.add.at(stiffness, (cells[:, i], cells[:, j]), volume * (gradient[:, i] * gradient[:, j]).sum(axis=1))
+    free = points[:, 2] > 0
+    u = np.where(free, 0.0, potential)
+    for _ in range(200):
+        residual = (stiffness @ u + lumped * np.sinh(u))[free]
+        u[free] -= np.linalg.solve(stiffness[np.ix_(free, free)] + np.diag(lumped[free] * np.cosh(u[free])), residual)
+    return u
+
+
 def test_a_layer_that_the_mesh_does_not_resolve_is_reported_and_its_charge_not_given():
     kuhn_cube("a.hdf", 4)
     coarse = solve(cube_case(zmin=5), "a.hdf")
@@ -369,6 +389,14 @@ def test_a_layer_that_the_mesh_does_not_resolve_is_reported_and_its_charge_not_g
         forms = ("surface", "surface_recovered", "surface_reaction", "volume")
         assert all(lost.json["forces"]["zmin"][form] is None for form in forms)
         assert lost.json["layers"]["zmin"]["cells_needed"] > 1e5 and "best" not in lost.json
+        with h5py.File("psi.hdf") as file:  # solved all the same: sinh at the wall, 1e21, is in no equation
+            psi, points, cells = (file[f"VTKHDF/{name}"][:] for name in ("PointData/potential", "Points", "Connectivity"))
+        off = np.abs(psi - lumped_solution(points, cells.reshape(-1, 4), potential)).max()
+        assert off < 1e-8, off
+    body = cube_case("body.toml", zmin=5)  # a body of one patch has the lines of the patch
+    pathlib.Path("body.toml").write_text(pathlib.Path(body).read_text() + '[[body]]\nname = "b"\npatches = ["zmin"]\n')
+    alone = solve("body.toml", "a.hdf")
+    assert alone.err.count("layer is not resolved") == 1 and alone.err.count("% too large: cells") == 2, alone.err
     bounded = solve(cube_case(zmin=5), "a.hdf", "--max-cells", "300")
     assert bounded.json["charges"]["zmin"] is None
     assert "layer is not resolved" not in solve(cube_case(zmin=1), "a.hdf").err
@@ -525,6 +553,7 @@ def test_bad_input_is_refused():
     refused('[[sphere]]\npatch = "zmin"\ncenter = [0, 0, 0]\nradius = 0.2\n' + good, "sphere of radius 0.2")
     refused('[electrolyte]\nsalt = "CaCl2"\n' + good, "CaCl2")
     refused("[solver]\nsteps = 3\n" + good, "steps", ":2")
+    refused('[estimator]\ngoals = ["charge", "energy", "charge"]\ngoal_patch = "zmin"\n' + good, "different goals", '"charge" twice')
     refuses("pamr-pb", "missing.toml", *mesh, says=["missing.toml"], creates="out.hdf")
     refuses("pamr-pb", "case.toml", "--mesh", "missing.hdf", "-o", "out.hdf", says=["missing.hdf"], creates="out.hdf")
 

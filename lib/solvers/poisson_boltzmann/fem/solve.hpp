@@ -47,8 +47,8 @@ class System {
   /// - Starts from `start` (u at the local nodes) or, when it is empty, from 0 off the boundary. Of the solution, which
   ///   is the only one, the start decides no more than what the tolerance leaves open.
   /// - `show` is called with each line of the convergence table.
-  /// - Converged when the residual is below `tolerance` times that of the potential that is 0 off the boundary, or what
-  ///   rounding leaves of the latter.
+  /// - Converged when the residual is below `tolerance` times that of the potential that is 0 off the boundary, with or
+  ///   without the charge of the ions, whichever is less, or what rounding leaves of the latter.
   Solution solve(std::span<const double> start, const std::function<void(const NewtonStep&)>& show);
 
   /// Solution w of the linearized equation at the last solution, w = `value` where u is given (zeros when empty), with
@@ -66,7 +66,8 @@ class System {
  private:
   static PetscErrorCode residual_callback(SNES snes, Vec u, Vec f, void* context);
   static PetscErrorCode jacobian_callback(SNES snes, Vec u, Mat j, Mat p, void* context);
-  void residual(Vec u, Vec f, bool with_fixed) const;
+  enum class Terms { all, without_ions };
+  void residual(Vec u, Vec f, bool with_fixed, Terms terms = Terms::all) const;
   void linearize(Vec u);
   void eliminate_fixed();
   void solve_linear(KSP solver, Vec right, Vec result, double tolerance);

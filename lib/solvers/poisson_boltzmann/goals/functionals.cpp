@@ -21,7 +21,8 @@ using geometry::Vec3;
 namespace {
 
 /// Where the layer of a body is not resolved at all, the potential beyond it is too high as well, and with it every
-/// form of the force. The goals keep their derivatives, so that marking by them goes on.
+/// form of the force and the charges of patches without a body. The goals keep their derivatives, so that marking by
+/// them goes on.
 void withdraw_lost_values(Functionals& result) {
   bool any = false;
   for (auto& patch : result.patches) {
@@ -34,8 +35,14 @@ void withdraw_lost_values(Functionals& result) {
     for (auto& goal : result.goals)
       if (goal.goal.body == patch.name) goal.value.reset();
   }
+  if (!any) return;
+  for (auto& patch : result.patches) {
+    if (patch.electrode != nullptr) continue;
+    patch.charge.reset();
+    patch.charge_density.reset();
+  }
   for (auto& goal : result.goals)
-    if (any && goal.goal.body.empty()) goal.value.reset();
+    if (goal.goal.body.empty()) goal.value.reset();
 }
 
 PatchResult& result_named(const std::string& name, Functionals& result) {

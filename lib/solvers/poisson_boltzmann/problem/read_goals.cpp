@@ -62,6 +62,8 @@ std::vector<Goal> read_goals(const TomlTable& table) {
         table.refuse(key, "goal_patch = \"PATCH OR BODY\" in [estimator] for goal \"" + name + "\"", "none");
       goal->body = body;
     }
+    for (const auto& other : goals)
+      if (other.name == goal->name) table.refuse(key, "different goals", "\"" + goal->name + "\" twice");
     goals.push_back(std::move(*goal));
   }
   return goals;

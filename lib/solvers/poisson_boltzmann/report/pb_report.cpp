@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -173,12 +172,23 @@ std::string with_error(double value, const std::optional<double>& error) {
 
 namespace {
 
+/// Whether a patch, or one of a body's, has a given potential.
+bool has_potential(const Case& input, const std::string& name) {
+  const auto is_potential = [&](const std::string& patch) {
+    const auto* boundary = input.find_boundary(patch);
+    return boundary != nullptr && boundary->condition == Condition::potential;
+  };
+  const auto is_body = [&](const auto& body) {
+    return body.name == name && std::any_of(body.patches.begin(), body.patches.end(), is_potential);
+  };
+  return is_potential(name) || std::any_of(input.bodies.begin(), input.bodies.end(), is_body);
+}
+
 /// A warning if a charge without a correction is too large because the cells are too high for the layer; else empty.
 std::string beside_charge(const Case& input, const PatchResult& patch, const BestValue& best) {
   const auto& layer = patch.layer;
-  const auto* boundary = input.find_boundary(patch.name);
-  if (best.quantity != "charge" || best.is_goal || input.solver.order != 1 || layer.is_known || boundary == nullptr ||
-      boundary->condition != Condition::potential || layer.ratio <= largest_ratio_of_charge_bar)
+  if (best.quantity != "charge" || best.is_goal || input.solver.order != 1 || layer.is_known ||
+      !has_potential(input, patch.name) || layer.ratio <= largest_ratio_of_charge_bar)
     return "";
   return fmt::format("; may be {:.2g} % too large: cells {:.2g} layers high, use order = 2", layer.excess_percent(),
                      layer.ratio);
@@ -267,13 +277,14 @@ std::vector<std::string> describe_layers(const Case& input, const Analysis& anal
   std::vector<std::string> lines;
   for (const auto& patch : analysis.patches) {
     const auto& layer = patch.layer;
-    const bool is_patch = patch.electrode != nullptr && std::popcount(patch.electrode->patches) == 1;
+    const auto* boundary = input.find_boundary(patch.name);
+    const bool is_patch =
+        patch.electrode != nullptr && boundary != nullptr;  // a body's patches have lines of their own
     if (!is_patch || layer.is_resolved() || layer.is_known) continue;
     auto line = fmt::format(
         "patch {}: its layer is not resolved: cells {:.3g} Debye lengths high, the layer {:.3g} (1/cosh(psi/2)); a "
         "mesh that resolves it takes some {:.1e} cells at the patch",
         patch.name, layer.height, layer.thickness, layer.n_cells);
-    const auto* boundary = input.find_boundary(patch.name);
     if (layer.is_lost)
       line += "; its charge, the force on it and the energy are not given";
     else if (boundary->condition == Condition::regulated)
