@@ -157,7 +157,7 @@ void note_if_finished(cli::Session& session, const Options& o, const dsmc::Compu
   const auto done = computation.flow().steps_done;
   const bool has_all = computation.is_complete();
   if (o.restart.empty() || !(has_all || (o.advance.steps && done >= *o.advance.steps))) return;
-  session.summary(fmt::format("nothing left to do: {} has {} steps, as many as {}", o.restart, done,
+  session.summary(fmt::format("nothing left to do: {} has {} steps, all that {}", o.restart, done,
                               has_all ? "the case asks for (sampling in [run])" : "--steps asks for"));
 }
 

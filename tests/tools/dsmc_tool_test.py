@@ -119,6 +119,13 @@ def test_free_molecular_sphere_has_the_drag_and_heat_of_the_closed_form():
     assert f"C_D {drag['value']:.4f} +- {drag['ci95']:.4f} ({shown.json['drag']['value']:.4g} +- {shown.json['drag']['ci95']:.2g} N)" in shown.err, shown.err
     assert drag["ci95"] > 2 * drag["stderr"] and "\npatch sphere: " in shown.err and "\nbalance: " in shown.err, shown.err
 
+    # No average is no zero.
+    moving = compute(write("moving.toml", SPHERE.replace('[boundary.sphere]\n', '[boundary.sphere]\nvelocity = [10.0, 0.0, 0.0]\n')), "sphere.hdf",
+                     "none.hdf", "--steps", "1", "--json", "-")
+    assert moving.json["C_D"] == {"value": None, "stderr": None} == moving.json["patches"]["sphere"]["heat"] and moving.json["blocks"] == 0, moving.json
+    assert moving.json["fluxes"]["patches"]["sphere"]["net"]["momentum"]["value"] == [None] * 3, moving.json["fluxes"]
+    assert "before the averages began" in moving.err and "the velocity of the wall sphere leads out of its plane" in moving.err, moving.err
+
     # A sixteenth of a turn says nothing about forces across the stream.
     sector = compute(write("sector.toml", SPHERE + "multiplier = 16.0\n"), "sphere.hdf", "x.hdf", "--steps", "84", "--json",
                      "-")
@@ -243,9 +250,9 @@ def test_restart_gives_the_same_bytes_as_a_run_without_interruption():
     assert float(row["zmin:out_per_s"]) == float(row["zmin:in_per_s"]), row
 
     again = compute(case, mesh, "d.hdf", "--restart", "c.ck")
-    assert "nothing left to do: c.ck has 30 steps, as many as the case asks for" in again.out, again.out
+    assert "nothing left to do: c.ck has 30 steps, all that the case asks for" in again.out, again.out
     assert same_bytes("a.hdf", "d.hdf")
-    assert "as many as --steps asks for" in compute(case, mesh, "d.hdf", "--restart", "b.ck", "--steps", "9", "--force").out
+    assert "all that --steps asks for" in compute(case, mesh, "d.hdf", "--restart", "b.ck", "--steps", "9", "--force").out
 
 
 def test_inlets_and_outlets_are_shown_and_go_on_with_the_same_bytes():
@@ -730,6 +737,8 @@ def test_bad_cases_are_refused_with_their_line():
     refused("z_infinity = 18.1", "probability = 0.2\nz_infinity = 18.1", "one of probability")
     refused("fractions = { N2 = 1.0 }", "fractions = { N2 = 0.9 }", line_of("fractions"), "0.9")
     refused("unit = 1.0", "unit = -1.0", line_of("unit"))
+    line = '[[line]]\nname = "a"\nfrom = [0.1, 0.1, 0.1]\n'
+    refused("[domain]", line + line + "[domain]", "no other [[line]] has", '"a" again')
     refused("speed = 400.0", "velocity = [1e200, 0.0, 0.0]", line_of("speed"), "1e+200", "m/s")
     refused("velocity = [10.0, 0.0, 0.0]", "velocity = [1e200, 0.0, 0.0]", line_of("zmin"), "1e+200")
     refused("temperature = 300.0\nspeed", "temperature = 1e-300\nspeed", "temperature", "1e-300")

@@ -14,20 +14,15 @@
 
 namespace pamr::dsmc {
 
-namespace {
-
-/// The last patch of the body that moves out of its plane; -1: none. Collective.
 std::int64_t patch_that_leaves_its_plane(const par::Comm& comm, const std::vector<BoundaryFace>& faces,
                                          const std::vector<BoundaryCondition>& conditions,
-                                         const std::vector<bool>& body) {
+                                         const std::vector<bool>& among) {
   std::int64_t found = -1;
   for (const auto& face : faces)
-    if (body[at(face.patch)] && leaves_its_plane(conditions[at(face.patch)], face.normal))
+    if (among[at(face.patch)] && leaves_its_plane(conditions[at(face.patch)], face.normal))
       found = std::max<std::int64_t>(found, face.patch);
   return comm.max(found);
 }
-
-}  // namespace
 
 bool has_body(const Case& c, const Setup& setup, const std::vector<mesh::Patch>& patches) {
   const auto body = reference_patches(c.reference, patches, setup.patch);

@@ -291,7 +291,12 @@ Case read_case(std::string_view text, const std::string& where) {
   if (const auto table = file.find_table("adapt")) read_adaptation(*table, c);
   if (const auto table = file.find_table("reference")) read_reference(*table, c);
   for (const auto& table : file.list("station")) c.station.push_back(read_station(table));
-  for (const auto& table : file.list("line")) c.line.push_back(read_line(table));
+  for (const auto& table : file.list("line")) {
+    c.line.push_back(read_line(table));
+    for (std::size_t i = 0; i + 1 < c.line.size(); ++i)
+      if (c.line[i].name == c.line.back().name)
+        table.refuse("name", "a name that no other [[line]] has", "\"" + c.line[i].name + "\" again");
+  }
   for (const auto& table : file.list("plane"))
     if (table.has("points"))
       c.plane.push_back(read_plane(table));

@@ -15,30 +15,34 @@ namespace {
 
 using nlohmann::json;
 
-/// `student`: the factor from a standard error to the bounds of 95 %, infinite where there is none.
-json shown(const Estimate& e, double student) {
-  json j{{"value", e.value}, {"stderr", e.error}};
-  if (std::isfinite(student)) j["ci95"] = student * e.error;
-  return j;
-}
-
 /// How reports show the coefficients.
 struct Style {
-  double student = 1;  ///< see above
+  bool has_averages = true;
+  double student = 1;  ///< from a standard error to the bounds of 95 %; infinite: there is none
   bool with_lift = true;
   const Scale& scale;
 };
 
+/// What there is not is null.
+json shown(const Estimate& e, const Style& style) {
+  json j{{"value", nullptr}, {"stderr", nullptr}};
+  if (style.has_averages) j["value"] = e.value;
+  if (!std::isfinite(style.student)) return j;
+  j["stderr"] = e.error;
+  j["ci95"] = style.student * e.error;
+  return j;
+}
+
 json shown(const Results::OfPatch& p, const Style& style) {
-  const double student = style.student, force = style.scale.force();
+  const double force = style.scale.force();
   const double power = force * style.scale.speed();
-  json j{{"C_D", shown(p.drag, student)},
-         {"C_H", shown(p.heat, student)},
-         {"drag", shown(Estimate{force * p.drag.value, force * p.drag.error}, student)},
-         {"heat", shown(Estimate{power * p.heat.value, power * p.heat.error}, student)}};
+  json j{{"C_D", shown(p.drag, style)},
+         {"C_H", shown(p.heat, style)},
+         {"drag", shown(Estimate{force * p.drag.value, force * p.drag.error}, style)},
+         {"heat", shown(Estimate{power * p.heat.value, power * p.heat.error}, style)}};
   if (style.with_lift) {
-    j["C_L"] = shown(p.lift, student);
-    j["C_m"] = shown(p.moment, student);
+    j["C_L"] = shown(p.lift, style);
+    j["C_m"] = shown(p.moment, style);
   }
   return j;
 }
@@ -111,7 +115,7 @@ json report_of(const Computation& computation, const Outcome& outcome) {
                              {"messages_per_step", ranks.messages},   {"bytes_per_step", ranks.bytes},
                              {"exchanges_per_step", ranks.exchanges}, {"reductions_per_step", ranks.reductions}};
   report["averages"] = averages_of(averaging, results, student);
-  const Style style{student, c.reference.gives_lift(), averaging.scale()};
+  const Style style{results.n_blocks > 0, student, c.reference.gives_lift(), averaging.scale()};
   report.update(shown(results.body, style));
   report["reference"] = shown(c.reference, averaging.scale());
   for (const auto& species : c.gas.species) report["species"].push_back(shown(species));
@@ -159,6 +163,8 @@ std::vector<std::string> warnings_of(const Averaging& averaging) {
   if (const auto& balance = averaging.state().balance; !balance.holds())
     warnings.push_back("what passed the patches is not what the gas has lost: " + balance_line(balance));
   const auto results = averaging.results();
+  if (results.n_blocks == 0)
+    warnings.emplace_back("the run has ended before the averages began: there are no coefficients and fluxes");
   const auto& groups = results.groups;
   if (groups.n_groups < 2) return warnings;
   const auto passage = averaging.passage_steps();

@@ -15,8 +15,13 @@ namespace {
 
 using nlohmann::json;
 
-/// `student`: the factor from a standard error to the bounds of 95 %, infinite where there is none.
-json shown(const SurfaceFlux::Estimates& flux, double student) {
+/// What there is of averages.
+struct Known {
+  bool is_any = true;
+  double student = 1;  ///< from a standard error to the bounds of 95 %; infinite: there is none
+};
+
+json shown(const SurfaceFlux::Estimates& flux, Known known) {
   const auto values = [&](auto part, std::size_t first, std::size_t n) {
     if (n == 1) return json(part(flux[first]));
     json list = json::array();
@@ -25,8 +30,9 @@ json shown(const SurfaceFlux::Estimates& flux, double student) {
   };
   json j;
   const auto add = [&](const char* key, std::size_t first, std::size_t n) {
-    j[key]["value"] = values([](const Estimate& e) { return e.value; }, first, n);
-    if (std::isfinite(student)) j[key]["ci95"] = values([&](const Estimate& e) { return student * e.error; }, first, n);
+    j[key]["value"] = values([&](const Estimate& e) { return known.is_any ? json(e.value) : json(); }, first, n);
+    if (std::isfinite(known.student))
+      j[key]["ci95"] = values([&](const Estimate& e) { return json(known.student * e.error); }, first, n);
   };
   add("molecules", 0, 1);
   add("momentum", 1, 3);
@@ -34,10 +40,10 @@ json shown(const SurfaceFlux::Estimates& flux, double student) {
   return j;
 }
 
-json shown(const SurfaceFlux& flux, double student, bool is_plane) {
-  return {{is_plane ? "along" : "out", shown(flux.out, student)},
-          {is_plane ? "against" : "in", shown(flux.in, student)},
-          {"net", shown(flux.net, student)}};
+json shown(const SurfaceFlux& flux, Known known, bool is_plane) {
+  return {{is_plane ? "along" : "out", shown(flux.out, known)},
+          {is_plane ? "against" : "in", shown(flux.in, known)},
+          {"net", shown(flux.net, known)}};
 }
 
 double pressure_of(const EnteringGas& entering) { return entering.gas.density * boltzmann * entering.gas.temperature; }
@@ -57,15 +63,15 @@ json fluxes_report(const Computation& computation) {
   const auto& averaging = computation.averaging();
   const auto& species = computation.flow().setup().gas.species;
   const auto names = surfaces_of(computation);
-  const double student = student_95(averaging.flux_groups().n_groups);
+  const Known known{!averaging.state().flux_blocks.empty(), student_95(averaging.flux_groups().n_groups)};
   json report{{"blocks", averaging.state().flux_blocks.size()}, {"patches", json::object()}};
   for (std::size_t k = 0; k < names.size(); ++k) {
     const bool is_plane = k >= n_patches_of(computation);
     auto& entry = report[is_plane ? "planes" : "patches"][names[k]];
-    entry = shown(averaging.flux(k, -1, species.size()), student, is_plane);
+    entry = shown(averaging.flux(k, -1, species.size()), known, is_plane);
     for (std::size_t s = 0; s < species.size() && species.size() > 1; ++s)
       entry["species"][species[s].name] =
-          shown(averaging.flux(k, static_cast<int>(s), species.size()), student, is_plane);
+          shown(averaging.flux(k, static_cast<int>(s), species.size()), known, is_plane);
   }
   for (const auto& one : computation.flow().driven()) {
     const auto& e = one.entering();

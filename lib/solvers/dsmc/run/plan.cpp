@@ -98,9 +98,17 @@ Plan make_plan(const par::Comm& comm, const Case& c, const Setup& setup, const m
   plan.cpu_seconds = plan.max_particles() * plan.steps / typical_rate;
 
   plan.gives_lift = c.reference.gives_lift();
-  if (!has_body(c, setup, setup.patches_on(mesh))) return plan;
+  const auto& patches = setup.patches_on(mesh);
+  std::vector<bool> moves;
+  for (const auto& patch : setup.patch) moves.push_back(patch.is_wall() && norm(patch.velocity) > 0);
+  const bool any_moves = std::find(moves.begin(), moves.end(), true) != moves.end();
+  const bool is_body = has_body(c, setup, patches);
+  if (!is_body && !any_moves) return plan;
   const auto domain = make_gas_domain(mesh, setup.unit, setup.dt, setup.fnum, setup.inner_wall);
-  plan.body = body_laws(comm, c, setup, setup.patches_on(mesh), domain.boundary);
+  if (any_moves)
+    if (const auto p = patch_that_leaves_its_plane(comm, domain.boundary, setup.patch, moves); p >= 0)
+      plan.moving_wall = patches[at(p)].name;
+  if (is_body) plan.body = body_laws(comm, c, setup, patches, domain.boundary);
   return plan;
 }
 
@@ -114,6 +122,11 @@ std::vector<std::string> warnings_of(const Plan& plan) {
   if (plan.particles_per_cell < 5)
     warnings.push_back(fmt::format("{:.2g} particles a cell in the free stream: below 5 collisions are poorly resolved",
                                    plan.particles_per_cell));
+  if (!plan.moving_wall.empty())
+    warnings.push_back(
+        fmt::format("the velocity of the wall {} leads out of its plane: molecules hit it as if it came "
+                    "towards them or went away, but it stays in its place",
+                    plan.moving_wall));
   if (!plan.hot_part.empty()) warnings.push_back(fmt::format("{}: {}", plan.hot_part, plan.missing_when_hot));
   return warnings;
 }
