@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -18,11 +19,13 @@
 #include "pamr/adapt/forecast.hpp"
 #include "pamr/assemble/assemble.hpp"
 #include "pamr/balance/expected_work.hpp"
+#include "pamr/base/error.hpp"
 #include "pamr/base/with_file_name.hpp"
 #include "pamr/io/native/native_file.hpp"
 #include "pamr/mark/apply_criteria.hpp"
 #include "pamr/mark/budget.hpp"
 #include "pamr/mark/criteria.hpp"
+#include "pamr/mesh/inner_patches.hpp"
 #include "pamr/mesh/require_field.hpp"
 #include "pamr/validate/validate.hpp"
 
@@ -209,6 +212,9 @@ void warn_of_empty_places(const cli::Session& session, const mark::Request& requ
 
 /// Refuses to replace fields that hold something else. Collective.
 void require_own_fields(const par::Comm& comm, const mesh::DistMesh& mesh, const Options& options) {
+  for (const std::string_view taken : {mesh::region_field, mesh::inner_patch_field, mesh::parent_field, "level"})
+    if (options.marks == taken)
+      throw Error(fmt::format("--marks: expected a name that means nothing else in a mesh, found '{}'", taken));
   mesh::require_replaceable(comm, mesh, {options.marks, "--marks", -1, 1});
   mesh::require_replaceable(comm, mesh, {balance::work_field(options.marks), "the work of the --marks", 0, 255});
 }

@@ -62,6 +62,7 @@ def test_layers_at_a_patch_agree_with_numpy():
         touched = np.zeros(len(points), bool)
         touched[cells[near]] = True
         near = touched[cells].any(axis=1)
+    assert mark("a.hdf", "--patch", "xmin", "--layers", 2 * 10 ** 9)[0].all(), "ends with the mesh"
 
 
 def test_field_criteria_agree_with_numpy():
@@ -236,6 +237,8 @@ def test_bad_input_is_refused():
     refuses("pamr-mark", "a.hdf", *out, "--all", "--max-level", "-1", says=["--max-level"], creates="out.hdf")
     refuses("pamr-mark", "a.hdf", *out, "--crossing-sphere", "0,0,1", says=["X,Y,Z,R"], creates="out.hdf")
     refuses("pamr-mark", "a.hdf", *out, "--round", says=["--round"], creates="out.hdf")
+    for taken in ("region", "level"):
+        refuses("pamr-mark", "a.hdf", *out, "--all", "--marks", taken, says=["--marks", f"'{taken}'"], creates="out.hdf")
     before = pathlib.Path("a.hdf").read_bytes()
     refuses("pamr-mark", "a.hdf", "-o", "a.hdf", "--all", "--force", says=["a.hdf"])
     pathlib.Path("old.hdf").write_text("mine")

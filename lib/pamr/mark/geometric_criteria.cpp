@@ -88,9 +88,14 @@ Indicator near_patch(const par::Comm& comm, const mesh::DistMesh& mesh, std::str
       if (indicator[cell] > 0)
         for (const LocalId node : mesh.cell_to_node[cell]) node_flag[at(node)] = 1;
     par::fold_flags(exchange, node_flag);
-    for (std::size_t cell = 0; cell < indicator.size(); ++cell)
+    bool is_any_new = false;
+    for (std::size_t cell = 0; cell < indicator.size(); ++cell) {
+      if (indicator[cell] > 0) continue;
       for (const LocalId node : mesh.cell_to_node[cell])
         if (node_flag[at(node)] != 0) indicator[cell] = wanted;
+      is_any_new = is_any_new || indicator[cell] > 0;
+    }
+    if (!comm.any(is_any_new)) break;
   }
   return indicator;
 }
