@@ -17,7 +17,8 @@ double thickness_behind(const geometry::Surface& surface, Vec3 point, Vec3 norma
     const Vec3 here = point - way * normal;
     const double inside = -surface.signed_distance(here);
     if (inside < landed * way) {  // beside a part along the way, or at one across it
-      if (dot(surface.normal(here), normal) < opposite) return way;
+      if (dot(surface.normal(here), normal) < opposite)
+        return inside < -landed * way ? way + inside : way;  // a shortest step may lead beyond
       if (inside <= 0) return most;
     }
     way += std::max(inside, shortest * most);

@@ -4,6 +4,7 @@ and 3 top and bottom); data/can.igs is the same as loose faces; data/colored_can
 data/quarter_can.step is a quarter of a can of radius 10 from z = 0 to 20, data/chamfer_box.brep a box with chamfers, both made by Gmsh. assembly.step of the unit tests of
 geometry is a housing [0, 2]^3, a ball of radius 0.5 in its middle, and two pegs of side 1, at (2, 0.5, 0.5) and (5, 0, 0)."""
 import json
+import math
 import pathlib
 import re
 import shutil
@@ -189,6 +190,52 @@ def step(name, *more):
     head, lines, rest = entities(CUBE.read_text())
     pathlib.Path(name).write_text(head + lines + "\n".join(more) + "\n" + rest)
     return name
+
+
+def prism(name, n, height):
+    """Over a polygon with `n` corners on the unit circle, as a STEP file: two faces with `n` edges."""
+    lines = []
+
+    def add(kind, *values):
+        word = lambda value: f"{value:.15f}" if isinstance(value, float) else value
+        text = ",".join("(" + ",".join(map(word, value)) + ")" if isinstance(value, (list, tuple)) else word(value) for value in values)
+        lines.append(f"#{1000 + len(lines)} = {kind}('',{text});")
+        return f"#{999 + len(lines)}"
+
+    def axes(place, normal, along):
+        return add("AXIS2_PLACEMENT_3D", add("CARTESIAN_POINT", place), add("DIRECTION", normal), add("DIRECTION", along))
+
+    def edge(begin, end):
+        (a, first), (b, last) = begin, end
+        vector = add("VECTOR", add("DIRECTION", [(y - x) / math.dist(a, b) for x, y in zip(a, b)]), 1.0)
+        return add("EDGE_CURVE", first, last, add("LINE", add("CARTESIAN_POINT", a), vector), ".T.")
+
+    def face(edges, *plane):
+        loop = add("EDGE_LOOP", [add("ORIENTED_EDGE", "*", "*", one, sense) for one, sense in edges])
+        return add("ADVANCED_FACE", [add("FACE_BOUND", loop, ".T.")], add("PLANE", axes(*plane)), ".T.")
+
+    places = [[(math.cos(w), math.sin(w), z) for w in (2 * math.pi * k / n for k in range(n))] for z in (0.0, height)]
+    corner = [[(p, add("VERTEX_POINT", add("CARTESIAN_POINT", p))) for p in ring] for ring in places]
+    low, high = ([edge(ring[k - 1], ring[k]) for k in range(n)] for ring in corner)
+    up = [edge(corner[0][k], corner[1][k]) for k in range(n)]
+    faces = [face([(one, ".F.") for one in reversed(low)], (0.0, 0.0, 0.0), (0.0, 0.0, -1.0), (1.0, 0.0, 0.0)),
+             face([(one, ".T.") for one in high], (0.0, 0.0, height), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0))]
+    for k in range(n):
+        w = 2 * math.pi * (k - 0.5) / n
+        faces.append(face([(low[k], ".T."), (up[k], ".T."), (high[k], ".F."), (up[k - 1], ".F.")], places[0][k], (math.cos(w), math.sin(w), 0.0), (0.0, 0.0, 1.0)))
+    solid = add("MANIFOLD_SOLID_BREP", add("CLOSED_SHELL", faces))
+    head, own, rest = entities(CUBE.read_text())
+    own = own[:own.index("#15 =")].replace("(#11,#15)", f"(#11,{solid})") + "\n".join(lines) + "\n" + own[own.index("#345 ="):]
+    pathlib.Path(name).write_text(head + own + rest)
+    return name
+
+
+def test_a_face_may_have_very_many_edges():
+    """From 300 on OpenCASCADE triangulates in another way: its usual one takes a minute and a gigabyte for a plate with 900 holes."""
+    report = run("pamr-mesh", prism("prism.step", 6, 0.5), "-o", "prism.hdf", "--size", "0.5", "--json", "-", serial=True).json
+    volume = 1.5 * math.sin(math.pi / 3)
+    assert abs(report["body_volume"] / volume - 1) < 1e-9 and abs(report["volume"] / volume - 1) < 1e-9, report
+    refuses("pamr-mesh", prism("prism.step", 400, 0.5), "-o", "none.hdf", "--solid", "other", says=['found "other"'], creates="none.hdf")
 
 
 def box_lines(sides, low, first=10000):

@@ -141,7 +141,8 @@ class Converter {
     TopLoc_Location location;
     const auto triangulation = BRep_Tool::Triangulation(face, location);
     if (triangulation.IsNull() || !triangulation->HasUVNodes() || triangulation->NbTriangles() == 0)
-      throw Error(fmt::format("face {}: expected a face that can be sampled, found a damaged one", number));
+      throw Error(fmt::format(
+          "face {}: expected a face that can be sampled, found one that OpenCASCADE makes no triangles of", number));
     for (int i = 1; i <= triangulation->NbNodes(); ++i) {
       const auto uv = triangulation->UVNode(i);
       result.sample.push_back({uv.X(), uv.Y()});
