@@ -135,6 +135,29 @@ def test_vtu_files_become_meshes_with_fields_and_patches():
     refuses("pamr-convert", "packed.vtu", "strict.hdf", "--strict", says=["inverted"], creates="strict.hdf")
 
 
+def test_small_arrays_and_texts_of_vtu_files():
+    """The base64 of a few bytes ends in the group of its header; texts are left out with a word."""
+    import base64
+    import struct
+    word = lambda data, kind: base64.b64encode(struct.pack(kind, len(data)) + data).decode()
+    for n in (1, 2, 5):
+        for kind, header in (("<I", "UInt32"), ("<Q", "UInt64")):
+            corners = [(2 * cell + x, y, z) for cell in range(n) for x, y, z in ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1))]
+            points = struct.pack(f"<{12 * n}d", *(x for corner in corners for x in corner))
+            nodes = struct.pack(f"<{4 * n}i", *range(4 * n))
+            array = lambda name, type, data, more="": f'<DataArray type="{type}" Name="{name}" format="binary"{more}>{word(data, kind)}</DataArray>'
+            with open("small.vtu", "w") as file:
+                file.write(f'<VTKFile type="UnstructuredGrid" header_type="{header}"><UnstructuredGrid><Piece NumberOfPoints="{4 * n}" NumberOfCells="{n}">'
+                           + "<Points>" + array("p", "Float64", points, ' NumberOfComponents="3"') + "</Points><Cells>"
+                           + array("connectivity", "Int32", nodes) + array("offsets", "Int32", struct.pack(f"<{n}i", *range(4, 4 * n + 1, 4)))
+                           + array("types", "UInt8", bytes([10] * n)) + "</Cells><CellData>" + array("mark", "UInt8", bytes(range(n)))
+                           + '<Array type="String" Name="title" format="ascii">65 0</Array></CellData></Piece></UnstructuredGrid></VTKFile>')
+            said = run("pamr-convert", "small.vtu", "small.hdf", "--force", "--json", "-")
+            assert said.json["cells"] == n and "the array 'title' was left out" in said.err, said.err
+            with h5py.File("small.hdf") as file:
+                assert list(file["VTKHDF/CellData/mark"][:]) == list(range(n))
+
+
 def test_our_own_vtu_comes_back():
     kuhn_cube("cube.hdf", 3)
     names = ["xmin", "a < b & \"c\" > d", "ymin", "ymax", "patch", "zmax"]

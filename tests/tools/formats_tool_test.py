@@ -217,7 +217,8 @@ def test_names_that_a_format_cannot_have_are_others_with_a_word():
     for output, those, back in (("twice.msh", ['a "b"', "a 'b'"], ["a 'b'_2", "a 'b'"]),
                                 ("long.msh", ["w" * 128, "w" * 129], ["w" * 127, "w" * 125 + "_2"]),
                                 ("twice.su2", ["a b", "a_b"], ["a_b_2", "a_b"]), ("twice", ["a_b", "a b"], ["a_b", "a_b_2"]),
-                                ("twice.cgns", ["a/b", "GridElements"], ["a_b", "GridElements_2"])):
+                                ("twice.cgns", ["a/b", "GridElements"], ["a_b", "GridElements_2"]),
+                                ("outer.cgns", [" a", "a "], ["_a", "a_"]), ("outer.lb8.ugrid", [" a", " a b "], ["_a", "_a b_"])):
         err = run("pamr-convert", named("twice.hdf", those + ["p", "q", "r", "s"]), output, "--quiet").err
         assert err.count("warning") == 1 and "is written as" in err, err
         run("pamr-convert", output, "back.hdf", "--force", "--quiet", serial=True)
@@ -236,6 +237,36 @@ def test_regions_are_references_of_tetrahedra():
         run("pamr-convert", name, f"{name}.hdf", "--quiet")
         with h5py.File(f"{name}.hdf") as file:
             assert sorted(file["VTKHDF/CellData/region"][:]) == sorted(np.arange(n) % 3 + 4)
+
+
+def test_regions_of_gmsh_are_entities_of_their_own():
+    """Gmsh gives the groups of an entity to all of its elements."""
+    kuhn_cube("cube.hdf", 2)
+    with h5py.File("cube.hdf", "r+") as file:
+        n = len(file["VTKHDF/Types"])
+        file["VTKHDF"].require_group("CellData")["region"] = np.arange(n, dtype=np.int32) % 3 + 4
+    for order in ("1", "2"):
+        run("pamr-convert", "cube.hdf", "r.msh", "--gmsh-version", "2.2", "--text", "--order", order, "--quiet", "--force", serial=True)
+        rows = [line.split() for line in pathlib.Path("r.msh").read_text().partition("$Elements")[2].splitlines()]
+        tags = [tuple(map(int, row[3:5])) for row in rows if len(row) > 4 and row[1] in ("4", "11")]
+        assert len(tags) == n and len(set(tags)) == 3 == len({entity for _, entity in tags}) and {group for group, _ in tags} == {4, 5, 6}, set(tags)
+
+
+def test_numbers_that_no_reader_takes_are_refused():
+    points, cells = refined_cube()
+    with h5py.File("fine.hdf", "r+") as file:
+        file["VTKHDF/PointData/t"][3] = np.nan
+        file["VTKHDF/CellData/region"] = np.full(len(cells), 10 ** 10)
+    refuses("pamr-convert", "fine.hdf", "n.mesh", "--sol-out", "n.sol", says=["finite values", "'t'"], creates="n.sol")
+    assert run("pamr-convert", "fine.hdf", "fine.vtu", "--quiet").err == ""
+    text = "MeshVersionFormatted 2\nDimension\n3\nVertices\n4\n0 0 0 0\n{} 0 0 0\n0 1 0 0\n0 0 1 0\nTetrahedra\n1\n1 2 3 4 {}\nEnd\n"
+    for name, x, region, says in (("far", 1e101, 1, "coordinates below 1e100, found 1e+101, 0, 0"), ("many", 1, 10 ** 10, "32 bits, found 10000000000")):
+        pathlib.Path(f"{name}.mesh").write_text(text.format(x, region))
+        refuses("pamr-convert", f"{name}.mesh", "n.hdf", says=[f"file '{name}.mesh'", says], creates="n.hdf")
+    refuses("pamr-convert", "cube.hdf", "n.hdf", "--scale", "1e101", says=["--scale", "below 1e100"], creates="n.hdf")
+    with h5py.File("cube.hdf", "r+") as file:
+        file["VTKHDF/Points"][3] = (0, 0, 1e101)
+    assert "below 1e100" in run("pamr-quality", "cube.hdf", code=2).err
 
 
 def test_kinds_and_units_are_given_on_the_command_line():
@@ -431,10 +462,13 @@ def test_bad_binary_files_are_refused_with_the_place():
     bad("b.lb8.ugrid", ugrid[:28] + struct.pack("<d", float("nan")) + ugrid[36:], "finite")
     pathlib.Path("b.ugrid").write_bytes(ugrid)
     refuses("pamr-convert", "b.ugrid", "n.hdf", says=[".lb8.ugrid", ".b8.ugrid"])
-    for text, says in (("2\n1 4000 a\n2 4000 a\n", "twice"), ("x\n", "number of surfaces"), ("1\n1 \n", "condition"),
+    for text, says in (("x\n", "number of surfaces"), ("1\n1 \n", "condition"),
                        ("2\n1 4000 a\n1 4000 b\n", "once")):
         pathlib.Path("g.mapbc").write_text(text)
         refuses("pamr-convert", "g.lb8.ugrid", "n.hdf", says=["g.mapbc", says], creates="n.hdf")
+    pathlib.Path("g.mapbc").write_text("3\n1 4000 a\n2 5000 a\n3 0 a_2\n")
+    said = run("pamr-convert", "g.lb8.ugrid", "n.hdf", "--json", "-")
+    assert "two patches have the name 'a': the later one is called 'a_3'" in said.err and {"a", "a_2", "a_3"} < set(said.json["patches"]), said.err
 
 
 def test_conditions_of_mapbc_come_back():
@@ -483,6 +517,50 @@ def test_a_compressed_cgns_file_of_many_cells_is_sound():
     run("pamr-convert", "plain.cgns", "a.hdf", "--quiet")
     run("pamr-convert", "small.cgns", "b.hdf", "--quiet")
     assert same_bytes("a.hdf", "b.hdf")
+
+
+def test_cgns_families_of_several_groups_make_parts_in_all_of_them():
+    """As Gmsh writes them: a family for each entity, with the names of its groups within."""
+    kuhn_cube("cube.hdf", 1)
+    run("pamr-convert", "cube.hdf", "c.cgns", "--quiet")
+
+    def node(parent, title, label, values=None):
+        group = parent.create_group(title)
+        data = np.frombuffer(values.encode(), np.int8) if isinstance(values, str) else values
+        if data is not None:
+            group.create_dataset(" data", data=data)
+        for key, text, size in (("name", title, 33), ("label", label, 33), ("type", "MT" if data is None else "C1" if isinstance(values, str) else "I4", 3)):
+            group.attrs.create(key, np.array(text.encode(), f"S{size}"))
+        return group
+
+    with h5py.File("c.cgns", "r+") as file:
+        base, zone = file["Base"], file["Base/Zone1"]
+        spans = {patch: zone[patch]["ElementRange/ data"][:] for patch in PATCHES}
+        del zone["ZoneBC"]
+        conditions = node(zone, "ZoneBC", "ZoneBC_t")
+        cells = {"V_1": np.array([1, 3]), "V_2": np.array([4, 6])}
+        groups = {"xmin": ["wall"], "xmax": ["wall", "in let"], "ymin": ["in let", "wall"], "V_1": ["all", "left"], "V_2": ["all"]}
+        for name, span in list(spans.items())[:3] + list(cells.items()):
+            condition = node(conditions, name, "BC_t", "FamilySpecified")
+            node(condition, "PointRange", "IndexRange_t", span.astype(np.int32).reshape(2, 1))
+            node(condition, "GridLocation", "GridLocation_t", "CellCenter")
+            node(condition, "FamilyName", "FamilyName_t", f"F_{name}")
+            family = node(base, f"F_{name}", "Family_t")
+            for group in groups[name]:
+                node(family, group, "FamilyName_t", group)
+        node(node(base, "F_other", "Family_t"), "all+left", "FamilyName_t", "all+left")
+    run("pamr-convert", "c.cgns", "back.hdf", "--quiet")
+    found = patches_of("back.hdf")
+    assert found["wall"] == (2, 1.0) and sum(n for name, (n, _) in found.items() if "in let" in name) == 4 and len(found) == 5, found
+    run("pamr-convert", "back.hdf", "back.msh", "--gmsh-version", "2.2", "--text", "--quiet", serial=True)
+    names, _, elements = pathlib.Path("back.msh").read_text().partition("$PhysicalNames")[2].partition("$Elements")
+    number = {line.split('"')[1]: line.split()[1] for line in names.splitlines() if '"' in line}
+    rows = [line.split() for line in elements.splitlines()]
+    count = {name: sum(len(row) > 4 and row[1] == kind and row[3] == number[name] for row in rows)
+             for name, kind in (("wall", "2"), ("in let", "2"), ("all", "4"), ("left", "4"))}
+    assert count == {"wall": 6, "in let": 4, "all": 6, "left": 3} and "all+left" not in number, (count, number)
+    run("pamr-convert", "back.msh", "again.hdf", "--quiet")
+    assert patches_of("again.hdf") == found
 
 
 def test_cgns_elements_with_equal_numbers_are_refused():

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -15,6 +14,7 @@
 #include "pamr/base/error.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/base/listed.hpp"
+#include "pamr/geometry/parameters.hpp"
 #include "pamr/geometry/scaled_surfaces.hpp"
 #include "pamr/io/elements/element_parts.hpp"
 #include "pamr/io/elements/element_remarks.hpp"
@@ -86,12 +86,12 @@ void scale_mesh(const par::Comm& comm, mesh::DistMesh& mesh, double factor, bool
     mesh.info.surfaces = needs_surfaces ? scaled_surfaces(*mesh.info.surfaces, factor) : geometry::no_surfaces();
     for (auto& patch : mesh.info.patches) patch.surface = needs_surfaces ? patch.surface : -1;
   }
-  bool is_finite = true;
+  bool is_in_range = true;
   for (auto& p : mesh.node_position) {
     p = {factor * p.x, factor * p.y, factor * p.z};
-    is_finite = is_finite && std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+    is_in_range = is_in_range && geometry::is_in_range(p);
   }
-  if (!comm.all(is_finite)) throw Error("--scale: expected coordinates that stay finite, found others");
+  if (!comm.all(is_in_range)) throw Error("--scale: expected coordinates that stay below 1e100, found others");
 }
 
 void set_kinds(const std::vector<std::string>& pairs, mesh::DistMesh& mesh) {

@@ -107,7 +107,10 @@ std::string TomlTable::Node::shown() const {
   if (const auto* text = as<std::string>())
     return text->size() <= longest ? "\"" + *text + "\"" : "\"" + text->substr(0, longest) + "...\"";
   if (const auto* integer = as<std::int64_t>()) return fmt::format("{}", *integer);
-  if (const auto* real = as<double>()) return fmt::format("{}", *real);
+  if (const auto* real = as<double>()) {
+    const auto text = fmt::format("{}", *real);
+    return text.find_first_of(".en") == std::string::npos ? text + ".0" : text;  // no integer, infinity or NaN
+  }
   if (const auto* truth = as<bool>()) return *truth ? "true" : "false";
   if (const auto* array = as<Array>()) return fmt::format("an array of {}", array->size());
   return as<Table>() != nullptr ? "a table" : "a date or time";

@@ -144,7 +144,7 @@ const std::vector<Format> table{
      .endings = {".lb8.ugrid", ".b8.ugrid"},
      .read = [](const Comm& comm, const Path& file, const Read& o) { return read_ugrid(comm, file, elements_of(o)); },
      .write = [](const Comm& comm, const Path& file, const mesh::DistMesh& mesh,
-                 const Write&) { write_ugrid(comm, file, mesh); },
+                 const Write& o) { write_ugrid(comm, file, mesh, o.remark); },
      .has_elements = true,
      .wants_every_face = true,
      .has_numbers = true,

@@ -35,6 +35,11 @@ std::vector<std::string> written_names(const NameRule& rule, const std::vector<s
     auto name = cut_to(names[i], rule.longest - std::min(ending.size(), rule.longest)) + ending;
     std::replace_if(
         name.begin(), name.end(), [&](char c) { return !rule.is_allowed(c); }, rule.instead);
+    if (!rule.has_outer_blanks) {
+      const auto is_word = [](char c) { return c != ' '; };
+      std::fill(name.begin(), std::find_if(name.begin(), name.end(), is_word), rule.instead);
+      std::fill(std::find_if(name.rbegin(), name.rend(), is_word).base(), name.end(), rule.instead);
+    }
     return name;
   };
   std::vector<std::string> written(names.size());

@@ -19,6 +19,7 @@ struct NameRule {
   char instead = '_';
   std::size_t longest = std::string::npos;  ///< bytes; no character in UTF-8 is cut
   std::vector<std::string> taken = {};      ///< by the format itself
+  bool has_outer_blanks = true;             ///< or else blanks at the beginning and the end become `instead`, too
 };
 
 /// The names of a mesh as a format can have them, no two alike: names that the format can have stay; others that would

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "pamr/geometry/orientation.hpp"
+#include "pamr/geometry/parameters.hpp"
 #include "pamr/mesh/face_groups.hpp"
 #include "pamr/mesh/families.hpp"
 #include "pamr/validate/validate_faces.hpp"
@@ -55,7 +56,7 @@ bool is_far_from_flat(const geometry::TetPoints& p) {
 
 void check_shapes(const mesh::DistMesh& mesh, Findings& findings) {
   for (std::size_t n = 0; n < mesh.node_position.size(); ++n)
-    if (!is_finite(mesh.node_position[n])) findings.add(Invariant::finite_coordinates, mesh.node_global[n]);
+    if (!geometry::is_in_range(mesh.node_position[n])) findings.add(Invariant::finite_coordinates, mesh.node_global[n]);
   for (LocalId c = 0; c < mesh.n_cells(); ++c) {
     const auto p = mesh.points(c);
     if (is_far_from_flat(p)) continue;

@@ -98,7 +98,7 @@ TEST(TomlTable, TakesAnUnknownKeyForTheMissingOne) {
 TEST(TomlTable, SaysWhatWasExpectedAndFound) {
   const auto number = [](const TomlTable& file) { (void)file.table("t").number("x", NumberRange::above(0)); };
   EXPECT_EQ(message_of("[t]\nx = 'a'\n", number), "a.toml:2:5: expected x = a number above 0 in [t], found \"a\"");
-  EXPECT_EQ(message_of("[t]\nx = 0.0\n", number), "a.toml:2:5: expected x = a number above 0 in [t], found 0");
+  EXPECT_EQ(message_of("[t]\nx = 0.0\n", number), "a.toml:2:5: expected x = a number above 0 in [t], found 0.0");
   EXPECT_EQ(message_of("[t]\nx = inf\n", number), "a.toml:2:5: expected x = a number above 0 in [t], found inf");
   EXPECT_EQ(message_of("[t]\nx = nan\n", number), "a.toml:2:5: expected x = a number above 0 in [t], found nan");
   EXPECT_EQ(message_of("[t]\nx = [1, 2]\n", number),

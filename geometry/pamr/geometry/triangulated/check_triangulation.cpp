@@ -16,7 +16,7 @@ namespace pamr::geometry {
 
 namespace {
 
-constexpr double largest_size = 1e100, min_height = 1e-10;
+constexpr double min_height = 1e-10;
 
 [[noreturn]] void fail(const std::string& where, int triangle, const std::string& message) {
   throw Error(fmt::format("{}: triangle {}: {}", where, triangle + 1, message));
@@ -30,7 +30,7 @@ void require_shapes(const Triangulation& surface, const std::string& where) {
     for (const int p : corner) {
       if (p < 0 || p >= n_points)
         fail(where, number, fmt::format("expected points from 1 to {}, found {}", n_points, p + 1));
-      if (!(largest_coordinate(surface.points[at(p)]) < largest_size))
+      if (!is_in_range(surface.points[at(p)]))
         fail(where, number, "expected finite coordinates below 1e100, found " + decimal(surface.points[at(p)]));
     }
     const Vec3 a = surface.points[at(corner[0])], b = surface.points[at(corner[1])], c = surface.points[at(corner[2])];

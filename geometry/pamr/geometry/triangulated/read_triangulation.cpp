@@ -29,8 +29,6 @@ namespace pamr::geometry {
 
 namespace {
 
-constexpr double largest_size = 1e100;  // squares of lengths stay finite
-
 std::string bytes_of(const std::filesystem::path& file) {
   errno = 0;
   std::error_code error;
@@ -129,7 +127,7 @@ Triangulation parse_soup(std::string_view bytes, const std::string& where) {
   auto surface = parse(bytes, where).surface;
   const auto n_points = std::ssize(surface.points);
   for (std::ptrdiff_t i = 0; i < n_points; ++i)
-    if (const Vec3 p = surface.points[static_cast<std::size_t>(i)]; !(largest_coordinate(p) < largest_size))
+    if (const Vec3 p = surface.points[static_cast<std::size_t>(i)]; !is_in_range(p))
       throw Error(
           fmt::format("{}: point {}: expected finite coordinates below 1e100, found {}", where, i + 1, decimal(p)));
   for (std::size_t t = 0; t < surface.triangles.size(); ++t)

@@ -46,9 +46,10 @@ class ConditionReader {
         if (named.are_elements != on_elements) continue;
         count_others(tree_, condition.path, {"IndexRange_t", "IndexArray_t", "GridLocation_t", "FamilyName_t"},
                      mesh_.left_out);
-        auto name = condition.name;
+        CellGroup given{condition.name, {}};
         auto type = tree_.text(condition);
-        if (type == "FamilySpecified") std::tie(name, type) = family_of(condition);
+        if (type == "FamilySpecified") std::tie(given, type) = family_of(condition);
+        const auto& name = given.name;
         std::vector<std::size_t> triangles;
         std::int32_t of_cells = -1;
         if (on_elements) {
@@ -57,12 +58,12 @@ class ConditionReader {
             for (std::size_t k = 0; k < faces.n; ++k) triangles.push_back(faces.first + k);
             const auto [first, n] = elements_.cells.find(number);
             if (n == 0) continue;
-            if (of_cells < 0) of_cells = elements_.group_of(name);
+            if (of_cells < 0) of_cells = elements_.group_of(given);
             const auto group = elements_.group_of_cell.begin() + static_cast<std::ptrdiff_t>(first);
             if (std::exchange(is_named_cell[first], 1) == 0)
               std::fill_n(group, n, of_cells);
             else if (*group != of_cells)
-              ++shared_[{3, elements_.name_of_group[at(*group)], name}];
+              ++shared_[{3, elements_.group[at(*group)].name, name}];
           }
         } else {
           triangles = triangles_within(named.number);
@@ -70,7 +71,10 @@ class ConditionReader {
         if (of_cells >= 0) elements_.has_named_cells = true;
         if (triangles.empty() && of_cells >= 0) continue;
         const auto tag = elements_.tag_of(name, mesh_);
-        take_kind(condition, type, mesh_.patch_of_tag[tag]);
+        auto& patch = mesh_.patch_of_tag[tag];
+        take_kind(condition, type, patch);
+        patch.groups.clear();
+        for (const auto& member : given.members) patch.groups.push_back({-1, member});
         of_conditions.insert(tag);
         for (const auto t : triangles) {
           if (is_in_condition[t] == 0)
@@ -145,17 +149,39 @@ class ConditionReader {
     return numbers;
   }
 
-  /// Name and type of the family that a condition belongs to. Gmsh's families have the name of a group within.
-  std::pair<std::string, std::string> family_of(const Node& condition) const {
+  /// What the family of a condition names, and its type. Gmsh's families, each of an entity, have the names of its
+  /// groups within.
+  std::pair<CellGroup, std::string> family_of(const Node& condition) {
     const auto family = tree_.text(tree_.child(condition.path, "FamilyName_t", true));
-    if (family.empty()) return {condition.name, {}};
-    for (const auto& node : tree_.children(base_, "Family_t")) {
+    if (family.empty()) return {{condition.name, {}}, {}};
+    const auto families = tree_.children(base_, "Family_t");
+    for (const auto& node : families) {
       if (node.name != family) continue;
+      const auto type = tree_.text(tree_.child(node.path, "FamilyBC_t", true));
       const auto groups = tree_.children(node.path, "FamilyName_t");
-      return {groups.size() == 1 ? groups.front().name : family,
-              tree_.text(tree_.child(node.path, "FamilyBC_t", true))};
+      if (groups.size() < 2) return {{groups.empty() ? family : groups.front().name, {}}, type};
+      CellGroup joint;
+      for (const auto& group : groups) joint.members.push_back(group.name);
+      auto& name = joint_name_[{joint.members.begin(), joint.members.end()}];
+      if (name.empty()) name = joint_name(joint.members, families);
+      joint.name = name;
+      return {joint, type};
     }
-    return {family, {}};
+    return {{family, {}}, {}};
+  }
+
+  /// `A+B`, with more `+` where a family or group has that name.
+  std::string joint_name(const std::vector<std::string>& members, const std::vector<Node>& families) const {
+    std::set<std::string> taken;
+    for (const auto& [others, name] : joint_name_) taken.insert(name);
+    for (const auto& family : families) {
+      taken.insert(family.name);
+      for (const auto& group : tree_.children(family.path, "FamilyName_t")) taken.insert(group.name);
+    }
+    std::string name;
+    for (const auto& member : members) name += (name.empty() ? "" : "+") + member;
+    while (taken.contains(name)) name += '+';
+    return name;
   }
 
   const Tree& tree_;
@@ -163,6 +189,7 @@ class ConditionReader {
   const std::string& zone_;
   ZoneElements& elements_;
   WholeMesh& mesh_;
+  std::map<std::set<std::string>, std::string> joint_name_;  ///< of groups that families name together
   /// Elements in two conditions by dimension, name kept, other name.
   std::map<std::tuple<int, std::string, std::string>, std::int64_t> shared_;
 };
@@ -202,9 +229,9 @@ std::int64_t Elements::size() const {
                          [](std::int64_t sum, const Run& run) { return sum + run.n; });
 }
 
-std::int32_t ZoneElements::group_of(const std::string& name) {
-  const auto [found, is_new] = group_of_name.emplace(name, static_cast<std::int32_t>(name_of_group.size()));
-  if (is_new) name_of_group.push_back(name);
+std::int32_t ZoneElements::group_of(const CellGroup& named) {
+  const auto [found, is_new] = group_of_name.emplace(named.name, static_cast<std::int32_t>(group.size()));
+  if (is_new) group.push_back(named);
   return found->second;
 }
 

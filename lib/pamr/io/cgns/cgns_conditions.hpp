@@ -48,24 +48,31 @@ class Elements {
   bool were_in_order_ = true;
 };
 
+/// Cells that a section has or a condition names.
+struct CellGroup {
+  std::string name;
+  std::vector<std::string> members;  ///< the groups that it stands for where these are several
+};
+
 /// The elements of a zone and the groups that they are in.
 struct ZoneElements {
   Elements cells, triangles;
-  std::vector<std::int32_t> group_of_cell;  ///< of a section, or of a condition: place of its name
-  std::vector<std::string> name_of_group;
+  std::vector<std::int32_t> group_of_cell;  ///< its place in `group`
+  std::vector<CellGroup> group;
   std::map<std::string, std::int32_t> group_of_name;
   bool has_named_cells = false;  ///< by conditions
   std::map<std::string, std::int64_t> tag_of_name;
 
-  /// The group of this name, a new one for a new name.
-  std::int32_t group_of(const std::string& name);
+  /// The place of the group of this name, a new one for a new name.
+  std::int32_t group_of(const CellGroup& named);
   /// The number of the patch of this name, a new one for a new name.
   std::int64_t tag_of(const std::string& name, WholeMesh& mesh);
 };
 
 /// Boundary conditions of a zone give triangles their patch and cells their region: first those on elements, then those
-/// on vertices, which have the triangles whose three corners they name. Patches of sections of which no triangle is left
-/// are no patches. Local. Throws `Error` for damaged nodes. Source: CGNS SIDS, "Boundary Conditions".
+/// on vertices, which have the triangles whose three corners they name. A condition whose family names several groups,
+/// as Gmsh has them, makes a patch or region `A+B` that is in all of these. Patches of sections of which no triangle is
+/// left are no patches. Local. Throws `Error` for damaged nodes. Source: CGNS SIDS, "Boundary Conditions".
 void read_conditions(const Tree& tree, const std::string& base, const std::string& zone, ZoneElements& elements,
                      WholeMesh& mesh);
 

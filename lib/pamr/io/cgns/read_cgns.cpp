@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <map>
 #include <span>
 #include <string>
 #include <string_view>
@@ -175,7 +176,7 @@ class ZoneReader {
 
   /// The tetrahedra of one element.
   void add_cells(const Node& section, std::int64_t number, std::span<const Corners> pieces) {
-    if (group_ < 0) group_ = elements_.group_of(section.name);
+    if (group_ < 0) group_ = elements_.group_of({section.name, {}});
     elements_.cells.add(number, {mesh_.cell.size(), pieces.size()});
     mesh_.cell.insert(mesh_.cell.end(), pieces.begin(), pieces.end());
     elements_.group_of_cell.insert(elements_.group_of_cell.end(), pieces.size(), group_);
@@ -196,15 +197,26 @@ class ZoneReader {
 
   /// Several sections of cells, or conditions that name cells, are regions, unless a field has these.
   void set_regions() {
-    std::vector<std::int64_t> region(elements_.name_of_group.size(), 0);  // 0: of no cell
+    std::vector<std::int64_t> region(elements_.group.size(), 0);  // 0: of no cell
     std::int64_t n_regions = 0;
     for (const auto group : elements_.group_of_cell)
       if (region[at(group)] == 0) region[at(group)] = ++n_regions;
     const bool has_field = std::any_of(mesh_.cell_fields.begin(), mesh_.cell_fields.end(),
                                        [](const auto& field) { return field.name == "region"; });
     if (has_field || (n_regions < 2 && !elements_.has_named_cells)) return;
+    std::map<std::string, std::int64_t> number;  // of groups that regions are in
+    for (std::size_t group = 0; group < region.size(); ++group) {
+      if (region[group] == 0) continue;
+      mesh_.name_of_region[region[group]] = elements_.group[group].name;
+      if (elements_.group[group].members.empty()) number[elements_.group[group].name] = region[group];
+    }
     for (std::size_t group = 0; group < region.size(); ++group)
-      if (region[group] != 0) mesh_.name_of_region[region[group]] = elements_.name_of_group[group];
+      for (const auto& member : elements_.group[group].members) {
+        if (region[group] == 0) break;
+        const auto [known, is_new] = number.try_emplace(member, n_regions + 1);
+        if (is_new) ++n_regions;
+        mesh_.groups_of_region[region[group]].push_back({known->second, member});
+      }
     for (const auto group : elements_.group_of_cell) mesh_.region.push_back(region[at(group)]);
   }
 

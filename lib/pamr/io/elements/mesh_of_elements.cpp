@@ -18,6 +18,7 @@
 #include "pamr/base/index.hpp"
 #include "pamr/base/listed.hpp"
 #include "pamr/base/memory.hpp"
+#include "pamr/geometry/parameters.hpp"
 #include "pamr/io/elements/cut_elements.hpp"
 #include "pamr/io/elements/number_elements.hpp"
 #include "pamr/io/text.hpp"
@@ -138,6 +139,10 @@ std::vector<std::int64_t> regions_of(const par::Comm& comm, const ElementParts& 
   }
   least = comm.min(least);
   greatest = comm.max(greatest);
+  using Stored = std::numeric_limits<std::int32_t>;
+  if (comm.sum(std::ssize(parts.tetrahedron)) > 0 && (least < Stored::min() || greatest > Stored::max()))
+    throw Error(
+        fmt::format("expected regions with numbers of 32 bits, found {}", least < Stored::min() ? least : greatest));
   const bool by_volume = greatest < 0 && least != greatest && !parts.has_signed_regions;
   std::vector<std::int64_t> region;
   reserve_array(region, parts.tetrahedron.size());
@@ -281,6 +286,21 @@ mesh::BlockMesh block_of(const par::Comm& comm, ElementParts& parts, Numbered& n
   return block;
 }
 
+/// Patches of one name become `NAME`, `NAME_2`, `NAME_3`, ..., which is said.
+void tell_apart(std::vector<mesh::Patch>& patches, std::vector<std::string>& remarks) {
+  std::set<std::string> taken, seen;
+  for (const auto& patch : patches) taken.insert(patch.name);
+  for (auto& patch : patches) {
+    if (seen.insert(patch.name).second) continue;
+    std::string name;
+    for (int k = 2; name.empty() || !taken.insert(name).second; ++k) name = fmt::format("{}_{}", patch.name, k);
+    remarks.push_back(fmt::format("two patches have the name '{}': the later one is called '{}'",
+                                  shown_text(patch.name), shown_text(name)));
+    patch.name = name;
+    seen.insert(name);
+  }
+}
+
 struct InOrder {
   ElementMesh& result;
   std::vector<Triangle>& triangle;  ///< by the numbers of nodes, which change
@@ -336,11 +356,14 @@ ElementMesh mesh_of_elements(const par::Comm& comm, ElementParts parts, const st
         static_cast<int>(std::lower_bound(groups.begin(), groups.end(), triangle.group) - groups.begin()));
 
   boundary.node = std::move(numbered.triangle);
-  auto block = block_of(comm, parts, numbered);
-  free_array(parts.tetrahedron);
   const auto* const of_cut = result.notes.empty() ? "" : " (a prism or pyramid that was cut may be flat or twisted)";
   with_source(source, [&] {
+    auto block = block_of(comm, parts, numbered);
+    free_array(parts.tetrahedron);
     par::agree(comm, [&] {
+      for (const auto p : block.node_position)
+        if (!geometry::is_in_range(p))
+          throw Error(fmt::format("expected coordinates below 1e100, found {:g}, {:g}, {:g}", p.x, p.y, p.z));
       for (const auto& field : block.cell_fields) mesh::require_inner_patches(field, 0);  // it is no field of ours
     });
     const auto [n_turned, n_flat] = assemble::orient(comm, block, options.repair);
@@ -355,6 +378,7 @@ ElementMesh mesh_of_elements(const par::Comm& comm, ElementParts parts, const st
   });
   auto& patches = result.mesh.info.patches;
   for (const auto group : groups) patches.push_back(patch_of_group(group));
+  tell_apart(patches, result.remarks);
   result.mesh.info.regions = named_regions(parts);
   with_source(source, [&] {
     for (std::size_t p = 0; p < patches.size(); ++p)

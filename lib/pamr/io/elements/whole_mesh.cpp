@@ -54,6 +54,8 @@ void check(WholeMesh& mesh) {
       throw Error(fmt::format("expected different names of patches, found '{}' twice", patch.name));
   }
   for (const auto& [region, name] : mesh.name_of_region) require_clean_name(fmt::format("region {}", region), name);
+  for (const auto& [region, groups] : mesh.groups_of_region)
+    for (const auto& group : groups) require_clean_name(fmt::format("group of region {}", region), group.name);
 }
 
 WholeMesh read_named(const std::filesystem::path& file, const std::function<WholeMesh()>& read) {
@@ -194,7 +196,11 @@ ElementMesh mesh_of_whole(const par::Comm& comm, const std::filesystem::path& fi
   });
   const auto patches = whole::share_names(comm, mesh.patch_of_tag);
   std::map<std::int64_t, mesh::Patch> regions;
-  for (const auto& [number, name] : mesh.name_of_region) regions[number] = {name, ""};
+  for (const auto& [number, name] : mesh.name_of_region) {
+    regions[number] = {.name = name, .kind = ""};
+    if (const auto groups = mesh.groups_of_region.find(number); groups != mesh.groups_of_region.end())
+      regions[number].groups = groups->second;
+  }
   regions = whole::share_names(comm, regions);
   auto overlaps = whole::share_overlaps(comm, mesh.overlaps);
   auto remarks = whole::share_lines(comm, mesh.remarks), notes = whole::share_lines(comm, mesh.notes);
@@ -203,6 +209,8 @@ ElementMesh mesh_of_whole(const par::Comm& comm, const std::filesystem::path& fi
   for (const auto& [number, region] : regions) parts.group_name[{3, number}] = region.name;
   auto result = mesh_of_elements(comm, std::move(parts), source_of(file), options,
                                  [&](std::int64_t tag) { return patches.at(tag); });
+  for (auto& region : result.mesh.info.regions)
+    if (const auto known = regions.find(region.number); known != regions.end()) region.groups = known->second.groups;
   result.overlaps.insert(result.overlaps.begin(), overlaps.begin(), overlaps.end());
   result.remarks.insert(result.remarks.end(), remarks.begin(), remarks.end());
   result.notes.insert(result.notes.end(), notes.begin(), notes.end());

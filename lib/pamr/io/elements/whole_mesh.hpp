@@ -27,6 +27,7 @@ struct WholeMesh {
   std::vector<std::int64_t> region;                   ///< of the cells; empty: none
   std::map<std::int64_t, mesh::Patch> patch_of_tag;   ///< `patch_N` where a tag is not in it
   std::map<std::int64_t, std::string> name_of_region;
+  std::map<std::int64_t, std::vector<mesh::Group>> groups_of_region;  ///< of those with a name that are in several
   std::vector<mesh::Field> cell_fields, node_fields;
   std::vector<GroupOverlap> overlaps;
   std::vector<std::string> remarks;              ///< what else the reader has changed or left out, in one line each

@@ -149,7 +149,8 @@ NameRule rule_of(const char* what, std::vector<std::string> taken) {
           .what = what,
           .is_allowed = [](char c) { return c != '/'; },
           .longest = name_length,
-          .taken = std::move(taken)};
+          .taken = std::move(taken),
+          .has_outer_blanks = false};  // names with a blank before them are the format's own
 }
 
 const char* condition_of(const std::string& kind) {

@@ -17,13 +17,18 @@ namespace pamr::io::gmsh {
 /// Every rank has its block of all elements.
 using Parts = ElementParts;
 
+/// Of a line.
+inline std::string_view without_blanks_behind(std::string_view line) {
+  return line.substr(0, line.find_last_not_of(" \t") + 1);
+}
+
 /// Runs through the sections: calls `read(name)` at each `$Name`, which returns whether it has read the section up to
 /// its end line; the others are passed over, and counted in `parts.left_out`. Refuses one that is read twice.
 template <class Read>
 void for_each_section(TextCursor& in, Parts& parts, Read&& read) {
   std::set<std::string> seen;
   while (!in.at_end()) {
-    const auto name = in.line();
+    const auto name = without_blanks_behind(in.line());
     if (name.empty() || name.front() != '$') continue;
     const std::string end = "$End" + std::string(name.substr(1));
     if (!read(std::string(name.substr(1)))) {
@@ -35,7 +40,7 @@ void for_each_section(TextCursor& in, Parts& parts, Read&& read) {
       in.fail("each section once", std::string(name) + " again");
     for (;;) {
       if (in.at_end()) in.fail(end, "the end of the file");
-      const auto line = in.line();
+      const auto line = without_blanks_behind(in.line());
       if (line == end) break;
       if (!line.empty()) in.fail(end, "\"" + std::string(line.substr(0, 40)) + "\"");
     }

@@ -38,7 +38,7 @@ void read_beginning(TextCursor& in) {
   in.skip_byte_order_mark();
   for (;;) {
     const auto begin = in;
-    const auto line = in.line();
+    const auto line = gmsh::without_blanks_behind(in.line());
     if (line == "$MeshFormat") return;
     if (line == "$Comments")
       in.skip_to_line("$EndComments");
@@ -60,8 +60,8 @@ MshFormat read_format(TextCursor& in) {
   (void)in.line();
   if (kind == 1 && in.value<std::int32_t>("a one that shows the order of bytes") != 1)
     in.fail("binary numbers with the least byte first", "another order of bytes");
-  auto end = in.line();
-  if (end.empty()) end = in.line();
+  auto end = gmsh::without_blanks_behind(in.line());
+  if (end.empty()) end = gmsh::without_blanks_behind(in.line());
   if (end != "$EndMeshFormat") in.fail("$EndMeshFormat", "another line");
   return {version, kind == 1};
 }
@@ -161,12 +161,14 @@ GmshMesh read_gmsh(const par::Comm& comm, const std::filesystem::path& file, con
   known.group_name = parts.group_name;
   known.joint = parts.joint;
   const auto periodic = periodic_groups(comm, parts);
+  const bool has_partitions = comm.any(parts.has_partitions);
   auto read = mesh_of_elements(comm, std::move(parts), source_of(file), options, [&](std::int64_t group) {
     return mesh::Patch{.name = gmsh::name_of_group(known.group_name, 2, group),
                        .kind = periodic.contains(group) ? mesh::periodic_kind : "",
                        .number = group > 0 && !known.joint.contains({2, group}) ? group : -1,
                        .groups = gmsh::members_of(known, 2, group)};
   });
+  if (has_partitions) read.remarks.emplace_back("the partitions that elements are in were left out");
   for (auto& region : read.mesh.info.regions) region.groups = gmsh::members_of(known, 3, region.number);
   return read;
 }

@@ -18,7 +18,7 @@ namespace {
 
 int checked_type(const TextCursor& in, std::int64_t type) {
   if (type < 0 || type > 1000 || n_nodes_of_type(static_cast<int>(type)) == 0)
-    in.fail("an element type of Gmsh", fmt::format("{}", type));
+    in.fail("a known type of elements", fmt::format("{}", type));
   return static_cast<int>(type);
 }
 
@@ -90,6 +90,13 @@ class Elements {
  public:
   explicit Elements(Parts& parts) : parts_(&parts) {}
 
+  /// The first tag is the physical group, the second the entity; others say partitions.
+  void take_tag(std::int64_t place, std::int64_t value, std::array<std::int64_t, 2>& tag) {
+    if (place < 2)
+      tag[static_cast<std::size_t>(place)] = value;
+    else if (value != 0)
+      parts_->has_partitions = true;
+  }
   void keep(int type, const Nodes& nodes, const std::array<std::int64_t, 2>& tag) {
     if (type != type_ || tag != tag_) begin_run(type, tag);
     if (group_ > 0 && (type == element_type::point || type == element_type::line))
@@ -121,8 +128,7 @@ void read_element_line(TextCursor& in, Elements& elements) {
   if (n_tags < 0 || n_tags > 1000) in.fail("a number of tags up to 1000", fmt::format("{}", n_tags));
   std::array<std::int64_t, 2> tag{};
   for (std::int64_t t = 0; t < n_tags; ++t) {
-    const auto value = in.integer("a tag");
-    if (t < 2) tag[static_cast<std::size_t>(t)] = value;
+    elements.take_tag(t, in.integer("a tag"), tag);
   }
   Nodes nodes{};
   for (int k = 0; k < n_nodes_of_type(type); ++k) {
@@ -148,8 +154,7 @@ void read_binary_elements(TextCursor& in, par::BlockRange own, std::int64_t n_el
       (void)in.value<std::int32_t>("an element");
       std::array<std::int64_t, 2> tag{};
       for (int t = 0; t < n_tags; ++t) {
-        const auto value = in.value<std::int32_t>("a tag");
-        if (t < 2) tag[static_cast<std::size_t>(t)] = value;
+        elements.take_tag(t, in.value<std::int32_t>("a tag"), tag);
       }
       Nodes nodes{};
       for (int k = 0; k < n_nodes; ++k) {

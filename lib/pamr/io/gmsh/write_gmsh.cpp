@@ -232,7 +232,7 @@ class Writer {
   void write_2() {
     // elements are written once for each of their groups
     std::int64_t n_cells = 0;
-    for (const auto region : elements_.region.of_cell) n_cells += std::ssize(groups_of_region(region));
+    for (const auto region : elements_.region.of_cell) n_cells += std::ssize(volumes_.of_part[index_of(region)]);
     auto n_elements = comm_.sum(n_cells);
     for (std::size_t p = 0; p < n_triangles_.size(); ++p)
       n_elements += std::ssize(surfaces_.of_part[p]) * n_triangles_[p];
@@ -263,9 +263,13 @@ class Writer {
     }
     Record cells(binary_);
     auto number = done + comm_.exclusive_sum(n_cells);
-    for (std::size_t c = 0; c < rows_.cell_to_node.size(); ++c)
-      for (const auto group : groups_of_region(elements_.region.of_cell[c]))
-        element_2(cells, ++number, Order::cell_type, volumes_.number[group], 1, Order::cell(rows_, c));
+    for (std::size_t c = 0; c < rows_.cell_to_node.size(); ++c) {
+      const auto part = index_of(elements_.region.of_cell[c]);
+      const auto entity =
+          static_cast<std::int64_t>(part) + 1;  // Gmsh gives all groups of an entity to all of its cells
+      for (const auto group : volumes_.of_part[part])
+        element_2(cells, ++number, Order::cell_type, volumes_.number[group], entity, Order::cell(rows_, c));
+    }
     if (n_elements > done) block_2(cells, Order::cell_type, n_elements - done);
     end(Record(binary_), "Elements");
     out_.commit();
@@ -300,10 +304,9 @@ class Writer {
     list(3, volumes_);
     out_.append_once(text + fmt::format("$EndMeshFormat\n$PhysicalNames\n{}\n{}$EndPhysicalNames\n", n_names, names));
   }
-  /// Indices of the physical volumes of a region.
-  const std::vector<std::size_t>& groups_of_region(std::int64_t region) const {
-    return volumes_
-        .of_part[static_cast<std::size_t>(std::distance(elements_.volume.begin(), elements_.volume.find(region)))];
+  /// Of a region among those with elements or names.
+  std::size_t index_of(std::int64_t region) const {
+    return static_cast<std::size_t>(std::distance(elements_.volume.begin(), elements_.volume.find(region)));
   }
   void section(const std::string& name, const std::string& head) { out_.append_once("$" + name + "\n" + head); }
   void end(const Record& record, const std::string& name) {
@@ -361,7 +364,7 @@ class Writer {
       for (std::size_t p = 0; p < n_triangles_.size(); ++p)
         if (!surfaces_.of_part[p].empty()) entity(p, surfaces_, surfaces_.of_part[p]);
       for (std::size_t r = 0; r < elements_.region.all.size(); ++r)
-        entity(r, volumes_, groups_of_region(elements_.region.all[r]));
+        entity(r, volumes_, volumes_.of_part[index_of(elements_.region.all[r])]);
     }
     end(record, "Entities");
   }

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <span>
 #include <utility>
@@ -16,6 +17,7 @@
 #include "pamr/io/rows_in_order.hpp"
 #include "pamr/io/shared_output.hpp"
 #include "pamr/mesh/untagged_patch.hpp"
+#include "pamr/par/exchange.hpp"
 
 namespace pamr::io {
 
@@ -258,6 +260,13 @@ void write_medit_fields(const par::Comm& comm, const std::filesystem::path& file
   const auto& [of_nodes, of_cells] = fields;
   if (of_nodes.empty() && of_cells.empty())
     throw Error("Medit: expected fields of reals with 1, 3, 6 or 9 components to write, found none");
+  par::agree(comm, [&] {
+    for (const auto* list : {&of_nodes, &of_cells})
+      for (const auto* field : *list)
+        if (!field->holds_integers() &&
+            !std::all_of(field->real().begin(), field->real().end(), [](double x) { return std::isfinite(x); }))
+          throw Error(fmt::format("Medit: expected finite values to write, found others in field '{}'", field->name));
+  });
   const bool as_text = is_text(file);
   std::vector<Section> sections;
   if (!of_nodes.empty())

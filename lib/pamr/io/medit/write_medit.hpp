@@ -36,7 +36,7 @@ struct MeditFields {
 MeditFields choose_medit_fields(const mesh::DistMesh& mesh, const std::vector<std::string>& names);
 
 /// Writes these fields to a `.sol` (text) or `.solb` (binary), nodal ones before those of cells, without their names.
-/// Collective; throws the same `Error` on every rank, also where there are none.
+/// Collective; throws the same `Error` on every rank, also where there are none, or values that are not finite.
 void write_medit_fields(const par::Comm& comm, const std::filesystem::path& file, const mesh::DistMesh& mesh,
                         const MeditFields& fields);
 

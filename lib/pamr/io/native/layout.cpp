@@ -148,7 +148,8 @@ class Checker {
       const auto group = std::string(on_cells ? path::cell_data : path::point_data) + "/";
       if (!entry.path.starts_with(group)) continue;
       FieldEntry result{entry.path, entry.path.substr(group.size()), "", on_cells, entry.type, 1, true};
-      if (!is_clean_text(result.name, "")) fail(group + "...", "field names in UTF-8", "another encoding");
+      if (!is_clean_text(result.name, ""))
+        fail(group + "...", "field names in UTF-8 without control characters", "another");
       const auto rows = on_cells ? layout_.info.n_global_cells : layout_.info.n_global_nodes;
       const auto n_steps = steps();
       if (entry.shape[0] != n_steps * rows)
@@ -243,7 +244,7 @@ class Checker {
     TriangulationEntry entry;
     entry.path = points.path.substr(0, points.path.size() - last.size());
     entry.name = entry.path.substr(group.size());
-    if (!is_clean_text(entry.name, "")) fail(group + "...", "names in UTF-8", "another encoding");
+    if (!is_clean_text(entry.name, "")) fail(group + "...", "names in UTF-8 without control characters", "another");
     const auto rows_of = [&](const std::string& path, GlobalId least) {
       const auto& shape = catalog_->find_array(path)->shape;
       constexpr GlobalId most = std::numeric_limits<int>::max();

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <bit>
-#include <cmath>
 #include <cstring>
 #include <span>
 #include <utility>
@@ -12,6 +11,7 @@
 
 #include "pamr/base/index.hpp"
 #include "pamr/base/memory.hpp"
+#include "pamr/geometry/parameters.hpp"
 
 namespace pamr::io {
 
@@ -23,8 +23,9 @@ std::vector<geometry::Vec3> read_points(SlabReader& reader, const Dataset& datas
       const auto row = first + static_cast<GlobalId>(i / 3);
       const geometry::Vec3 p{std::bit_cast<double>(words[i]), std::bit_cast<double>(words[i + 1]),
                              std::bit_cast<double>(words[i + 2])};
-      if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
-        reader.fail(dataset.path, row, "finite coordinates", "NaN or infinity");
+      if (!is_finite(p)) reader.fail(dataset.path, row, "finite coordinates", "NaN or infinity");
+      if (!geometry::is_in_range(p))
+        reader.fail(dataset.path, row, "coordinates below 1e100", fmt::format("{:g}, {:g}, {:g}", p.x, p.y, p.z));
       points[at(row - rows.begin)] = p;
     }
   });

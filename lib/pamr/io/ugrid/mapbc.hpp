@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "pamr/io/written_names.hpp"
 #include "pamr/mesh/dist_mesh.hpp"
 #include "pamr/par/comm.hpp"
 
@@ -37,6 +38,6 @@ std::int64_t condition_of_kind(const std::string& kind, int axis);
 /// The text of a file: patches keep the condition that they came with unless they have got another kind. Those without
 /// faces have no line. `number`, `axis` and `n_faces`: of each patch.
 std::string mapbc_text(const mesh::MeshInfo& info, const std::vector<std::int64_t>& number,
-                       const std::vector<int>& axis, const std::vector<std::int64_t>& n_faces);
+                       const std::vector<int>& axis, const std::vector<std::int64_t>& n_faces, const Remark& remark);
 
 }  // namespace pamr::io::ugrid

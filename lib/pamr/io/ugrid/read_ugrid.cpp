@@ -6,7 +6,6 @@
 
 #include <array>
 #include <cmath>
-#include <set>
 #include <utility>
 #include <vector>
 
@@ -150,11 +149,6 @@ ElementMesh read_ugrid(const par::Comm& comm, const std::filesystem::path& file,
     return patch;
   });
   for (auto& remark : ugrid::remarks_of(conditions, mapbc, read.mesh.info)) read.remarks.push_back(std::move(remark));
-  std::set<std::string> seen;
-  for (const auto& patch : read.mesh.info.patches)
-    if (!seen.insert(patch.name).second)
-      throw Error(
-          fmt::format("file '{}': expected different names of surfaces, found '{}' twice", mapbc.string(), patch.name));
   return read;
 }
 

@@ -51,7 +51,8 @@ std::vector<int> flat_axes(const par::Comm& comm, const mesh::DistMesh& mesh) {
 
 std::filesystem::path mapbc_file(const std::filesystem::path& file) { return ugrid::mapbc_of(file); }
 
-void write_ugrid(const par::Comm& comm, const std::filesystem::path& file, const mesh::DistMesh& mesh) {
+void write_ugrid(const par::Comm& comm, const std::filesystem::path& file, const mesh::DistMesh& mesh,
+                 const Remark& remark) {
   const bool swap = ugrid::is_big_endian(file);
   const auto rows = rows_in_order(comm, mesh);
   const auto boundary = boundary_rows(rows);
@@ -89,7 +90,7 @@ void write_ugrid(const par::Comm& comm, const std::filesystem::path& file, const
     for (const auto node : cell) integer(node + 1);
   flush();
   SharedOutput conditions(comm, ugrid::mapbc_of(file));
-  conditions.append_once(ugrid::mapbc_text(mesh.info, number, axes, n_faces));
+  conditions.append_once(ugrid::mapbc_text(mesh.info, number, axes, n_faces, remark));
   out.commit();
   conditions.commit();
 }

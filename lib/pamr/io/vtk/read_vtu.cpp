@@ -27,7 +27,9 @@ std::string text_of(const std::filesystem::path& file) {
 
 const XmlArray& require(const XmlGrid& grid, std::string_view place, std::string_view name) {
   const auto* array = grid.find(place, name);
-  if (array == nullptr) throw Error(fmt::format("expected an array {} of {}, found none", name, place));
+  if (array == nullptr)
+    throw Error(
+        fmt::format("expected an array {}of {}, found none", name.empty() ? "" : std::string(name) + " ", place));
   return *array;
 }
 

@@ -78,7 +78,9 @@ void read_head(const pugi::xml_node& file, XmlGrid& grid) {
 }
 
 void read_arrays(const pugi::xml_node& place, XmlGrid& grid) {
-  for (const auto& array : place.children("DataArray"))
+  for (const auto& array : place.children()) {
+    const std::string_view element = array.name();
+    if (element != "DataArray" && element != "Array") continue;  // the latter of texts
     grid.arrays.push_back({.place = place.name(),
                            .name = value_of(array, "Name"),
                            .type = value_of(array, "type"),
@@ -87,6 +89,7 @@ void read_arrays(const pugi::xml_node& place, XmlGrid& grid) {
                            .has_component_names = !array.attribute("ComponentName0").empty(),
                            .offset = static_cast<std::size_t>(number_in(array, "offset", 0)),
                            .content = array.child_value()});
+  }
 }
 
 [[noreturn]] void fail(const XmlArray& array, const std::string& expected, const std::string& found) {
@@ -100,7 +103,8 @@ class ByteSource {
       : array_(&array), text_(text), is_raw_(is_raw) {}
 
   Bytes take(std::size_t n) {
-    if (n > text_.size()) fail(*array_, fmt::format("{} bytes", n), "fewer");
+    const auto most = is_raw_ ? text_.size() : rest_.size() + text_.size() / 4 * 3;
+    if (n > most) fail(*array_, fmt::format("{} bytes", n), "fewer");
     Bytes bytes;
     bytes.reserve(n + 3);
     if (is_raw_) {
