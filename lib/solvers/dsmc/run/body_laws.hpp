@@ -21,10 +21,10 @@ struct BodyLaws {
   std::string moving_wall;  ///< why there is no `free_molecular`: the patch that moves out of its plane
 };
 
-/// The last of these patches that moves out of its plane; -1: none. Collective.
+/// The last of these patches whose velocity leads out of a face by more than `allowed` of it; -1: none. Collective.
 std::int64_t patch_that_leaves_its_plane(const par::Comm& comm, const std::vector<BoundaryFace>& faces,
                                          const std::vector<BoundaryCondition>& conditions,
-                                         const std::vector<bool>& among);
+                                         const std::vector<bool>& among, double allowed);
 
 /// Whether there is a body, a stream and its speed. Local.
 bool has_body(const Case& the_case, const Setup& setup, const std::vector<mesh::Patch>& patches);

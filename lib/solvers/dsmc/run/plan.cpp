@@ -98,6 +98,7 @@ Plan make_plan(const par::Comm& comm, const Case& c, const Setup& setup, const m
   plan.cpu_seconds = plan.max_particles() * plan.steps / typical_rate;
 
   plan.gives_lift = c.reference.gives_lift();
+  constexpr double tilt_of_facets = 0.1;  // of a curved wall that moves along itself
   const auto& patches = setup.patches_on(mesh);
   std::vector<bool> moves;
   for (const auto& patch : setup.patch) moves.push_back(patch.is_wall() && norm(patch.velocity) > 0);
@@ -106,8 +107,8 @@ Plan make_plan(const par::Comm& comm, const Case& c, const Setup& setup, const m
   if (!is_body && !any_moves) return plan;
   const auto domain = make_gas_domain(mesh, setup.unit, setup.dt, setup.fnum, setup.inner_wall);
   if (any_moves)
-    if (const auto p = patch_that_leaves_its_plane(comm, domain.boundary, setup.patch, moves); p >= 0)
-      plan.moving_wall = patches[at(p)].name;
+    if (const auto p = patch_that_leaves_its_plane(comm, domain.boundary, setup.patch, moves, tilt_of_facets); p >= 0)
+      plan.wall_out_of_plane = patches[at(p)].name;
   if (is_body) plan.body = body_laws(comm, c, setup, patches, domain.boundary);
   return plan;
 }
@@ -122,11 +123,11 @@ std::vector<std::string> warnings_of(const Plan& plan) {
   if (plan.particles_per_cell < 5)
     warnings.push_back(fmt::format("{:.2g} particles a cell in the free stream: below 5 collisions are poorly resolved",
                                    plan.particles_per_cell));
-  if (!plan.moving_wall.empty())
+  if (!plan.wall_out_of_plane.empty())
     warnings.push_back(
         fmt::format("the velocity of the wall {} leads out of its plane: molecules hit it as if it came "
                     "towards them or went away, but it stays in its place",
-                    plan.moving_wall));
+                    plan.wall_out_of_plane));
   if (!plan.hot_part.empty()) warnings.push_back(fmt::format("{}: {}", plan.hot_part, plan.missing_when_hot));
   return warnings;
 }

@@ -31,8 +31,8 @@ struct Plan {
   double longest_flight =
       0;  ///< cell sizes that a fast molecule of the free stream passes in a step, maximum over the cells
   std::optional<BodyLaws> body;
-  bool gives_lift = true;   ///< `Reference::gives_lift`
-  std::string moving_wall;  ///< a patch whose velocity leads out of its plane; empty: none
+  bool gives_lift = true;         ///< `Reference::gives_lift`
+  std::string wall_out_of_plane;  ///< a patch that its velocity leads away from its place; empty: none
 
   /// The most that are known of before the first step.
   double max_particles() const { return std::max(particles, particles_at_start); }

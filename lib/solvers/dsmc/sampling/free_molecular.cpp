@@ -128,9 +128,8 @@ SurfaceLaw free_molecular_law(const Gas& gas, const Stream& stream, std::vector<
   };
 }
 
-bool leaves_its_plane(const BoundaryCondition& wall, Vec3 normal) {
-  constexpr double rounding = 1e-6;
-  return std::fabs(dot(wall.velocity, normal)) > rounding * norm(wall.velocity);
+bool leaves_its_plane(const BoundaryCondition& wall, Vec3 normal, double allowed) {
+  return std::fabs(dot(wall.velocity, normal)) > allowed * norm(wall.velocity);
 }
 
 }  // namespace pamr::dsmc

@@ -19,7 +19,7 @@ namespace pamr::dsmc {
 /// walls); R. G. Lord, Phys. Fluids A 3 (1991), whose kernel `reflect` draws from.
 SurfaceLaw free_molecular_law(const Gas& gas, const Stream& stream, std::vector<BoundaryCondition> wall);
 
-/// Whether a wall's velocity carries it through this face, beyond rounding. Local.
-bool leaves_its_plane(const BoundaryCondition& wall, Vec3 normal);
+/// Whether a wall's velocity carries it through this face, by more than `allowed` of it. Local.
+bool leaves_its_plane(const BoundaryCondition& wall, Vec3 normal, double allowed);
 
 }  // namespace pamr::dsmc
