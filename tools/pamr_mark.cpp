@@ -212,7 +212,8 @@ void warn_of_empty_places(const cli::Session& session, const mark::Request& requ
 
 /// Refuses to replace fields that hold something else. Collective.
 void require_own_fields(const par::Comm& comm, const mesh::DistMesh& mesh, const Options& options) {
-  for (const std::string_view taken : {mesh::region_field, mesh::inner_patch_field, mesh::parent_field, "level"})
+  for (const std::string_view taken :
+       {mesh::region_field, mesh::inner_patch_field, mesh::parent_field, mesh::level_field})
     if (options.marks == taken)
       throw Error(fmt::format("--marks: expected a name that means nothing else in a mesh, found '{}'", taken));
   mesh::require_replaceable(comm, mesh, {options.marks, "--marks", -1, 1});

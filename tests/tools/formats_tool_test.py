@@ -252,6 +252,17 @@ def test_regions_of_gmsh_are_entities_of_their_own():
         assert len(tags) == n and len(set(tags)) == 3 == len({entity for _, entity in tags}) and {group for group, _ in tags} == {4, 5, 6}, set(tags)
 
 
+def test_blanks_behind_the_names_of_sections_of_gmsh():
+    kuhn_cube("cube.hdf", 1)
+    run("pamr-convert", "cube.hdf", "bare.msh", "--text", "--quiet", serial=True)
+    lines = pathlib.Path("bare.msh").read_text().splitlines()
+    lines[3:3] = ["$Comments", "$ a word", "$EndComments", "$Unknown", "1", "$EndUnknown"]
+    pathlib.Path("blanks.msh").write_text("".join(line + (" \t\n" if line.startswith("$") else "\n") for line in lines))
+    for name in ("bare", "blanks"):
+        run("pamr-convert", f"{name}.msh", f"{name}.hdf", "--quiet")
+    assert same_bytes("bare.hdf", "blanks.hdf")
+
+
 def test_numbers_that_no_reader_takes_are_refused():
     points, cells = refined_cube()
     with h5py.File("fine.hdf", "r+") as file:
@@ -259,6 +270,8 @@ def test_numbers_that_no_reader_takes_are_refused():
         file["VTKHDF/CellData/region"] = np.full(len(cells), 10 ** 10)
     refuses("pamr-convert", "fine.hdf", "n.mesh", "--sol-out", "n.sol", says=["finite values", "'t'"], creates="n.sol")
     assert run("pamr-convert", "fine.hdf", "fine.vtu", "--quiet").err == ""
+    for name, says in (("n.msh", "numbers below 2^31, found 10000000000"), ("n.mesh", "10000000000")):
+        refuses("pamr-convert", "fine.hdf", name, says=[says], creates=name)
     text = "MeshVersionFormatted 2\nDimension\n3\nVertices\n4\n0 0 0 0\n{} 0 0 0\n0 1 0 0\n0 0 1 0\nTetrahedra\n1\n1 2 3 4 {}\nEnd\n"
     for name, x, region, says in (("far", 1e101, 1, "coordinates below 1e100, found 1e+101, 0, 0"), ("many", 1, 10 ** 10, "32 bits, found 10000000000")):
         pathlib.Path(f"{name}.mesh").write_text(text.format(x, region))
@@ -539,19 +552,23 @@ def test_cgns_families_of_several_groups_make_parts_in_all_of_them():
         del zone["ZoneBC"]
         conditions = node(zone, "ZoneBC", "ZoneBC_t")
         cells = {"V_1": np.array([1, 3]), "V_2": np.array([4, 6])}
-        groups = {"xmin": ["wall"], "xmax": ["wall", "in let"], "ymin": ["in let", "wall"], "V_1": ["all", "left"], "V_2": ["all"]}
-        for name, span in list(spans.items())[:3] + list(cells.items()):
+        groups = {"xmin": ["wall"], "xmax": ["wall", "in let"], "ymin": ["in let", "wall"], "ymax": ["A", "B"], "zmin": ["A", "B"],
+                  "V_1": ["all", "left"], "V_2": ["all"]}
+        for name, span in list(spans.items())[:5] + list(cells.items()):
             condition = node(conditions, name, "BC_t", "FamilySpecified")
             node(condition, "PointRange", "IndexRange_t", span.astype(np.int32).reshape(2, 1))
             node(condition, "GridLocation", "GridLocation_t", "CellCenter")
             node(condition, "FamilyName", "FamilyName_t", f"F_{name}")
             family = node(base, f"F_{name}", "Family_t")
             for group in groups[name]:
-                node(family, group, "FamilyName_t", group)
+                node(family, group, "FamilyName_t", group if name not in ("ymax", "zmin") else f"/Base/{group}")  # a tree of families
+            if name == "zmin":
+                node(family, "FamilyBC", "FamilyBC_t", "BCWall")
         node(node(base, "F_other", "Family_t"), "all+left", "FamilyName_t", "all+left")
     run("pamr-convert", "c.cgns", "back.hdf", "--quiet")
     found = patches_of("back.hdf")
-    assert found["wall"] == (2, 1.0) and sum(n for name, (n, _) in found.items() if "in let" in name) == 4 and len(found) == 5, found
+    assert found["wall"] == (2, 1.0) and sum(n for name, (n, _) in found.items() if "in let" in name) == 4, found
+    assert {"F_ymax", "F_zmin"} < set(found) and len(found) == 5, found
     run("pamr-convert", "back.hdf", "back.msh", "--gmsh-version", "2.2", "--text", "--quiet", serial=True)
     names, _, elements = pathlib.Path("back.msh").read_text().partition("$PhysicalNames")[2].partition("$Elements")
     number = {line.split('"')[1]: line.split()[1] for line in names.splitlines() if '"' in line}

@@ -83,7 +83,7 @@ mesh::DistMesh extract_cells(const par::Comm& comm, const mesh::DistMesh& mesh, 
 
   auto old_cell = cell_field("cell", mesh::StorageType::int64);
   old_cell.integer() = par::scatter_rows<GlobalId>(comm, new_cell.n, cell_ids, 1, new_cell.new_id);
-  auto cell_level = cell_field("level", mesh::StorageType::int32);
+  auto cell_level = cell_field(mesh::level_field, mesh::StorageType::int32);
   cell_level.integer() = par::scatter_rows<std::int64_t>(comm, new_cell.n, level, 1, new_cell.new_id);
   block.cell_fields = {std::move(old_cell), std::move(cell_level)};
   const auto metric_rows = par::scatter_rows<double>(comm, new_cell.n, metric, 6, new_cell.new_id);

@@ -34,6 +34,8 @@ struct Field {
 inline constexpr const char* off_surface_field = "off_surface";
 /// Integer cell field of the cell of the input that each cell comes from.
 inline constexpr const char* parent_field = "parent";
+/// Cell field for viewers: how often a cell was split.
+inline constexpr const char* level_field = "level";
 
 using NodeField = Field;
 using CellField = Field;

@@ -159,7 +159,10 @@ class ConditionReader {
       if (node.name != family) continue;
       const auto type = tree_.text(tree_.child(node.path, "FamilyBC_t", true));
       const auto groups = tree_.children(node.path, "FamilyName_t");
-      if (groups.size() < 2) return {{groups.empty() ? family : groups.front().name, {}}, type};
+      if (groups.size() == 1) return {{groups.front().name, {}}, type};
+      const auto is_of_gmsh = [&](const Node& group) { return tree_.text(group) == group.name; };  // a tree has places
+      if (groups.empty() || !type.empty() || !std::all_of(groups.begin(), groups.end(), is_of_gmsh))
+        return {{family, {}}, type};
       CellGroup joint;
       for (const auto& group : groups) joint.members.push_back(group.name);
       auto& name = joint_name_[{joint.members.begin(), joint.members.end()}];
@@ -170,10 +173,12 @@ class ConditionReader {
     return {{family, {}}, {}};
   }
 
-  /// `A+B`, with more `+` where a family or group has that name.
+  /// `A+B`, with more `+` where a family, group, condition or section has that name.
   std::string joint_name(const std::vector<std::string>& members, const std::vector<Node>& families) const {
     std::set<std::string> taken;
     for (const auto& [others, name] : joint_name_) taken.insert(name);
+    for (const auto& node : tree_.children(zone_, "Elements_t")) taken.insert(node.name);
+    for (const auto& node : tree_.children(tree_.child(zone_, "ZoneBC_t").path, "BC_t")) taken.insert(node.name);
     for (const auto& family : families) {
       taken.insert(family.name);
       for (const auto& group : tree_.children(family.path, "FamilyName_t")) taken.insert(group.name);

@@ -57,7 +57,7 @@ struct ElementParts {
   std::string why_empty = {};  ///< what may be the reason for named groups without any element
   /// Dimension, geometrical entity and physical group of elements that may be written once for each group.
   std::set<std::array<std::int64_t, 3>> entity_in_group = {};
-  bool has_partitions = false;             ///< on some rank elements say parts of the mesh that they are in
+  bool has_partitions = false;             ///< of this rank: elements say partitions that they are in
   bool has_regions = true;                 ///< groups of tetrahedra mean something: they become the field `region`
   bool has_signed_regions = false;         ///< groups of tetrahedra below 0 are regions too
   std::int64_t n_periodic_links = 0;       ///< between surfaces

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <iterator>
 #include <limits>
+#include <map>
 #include <optional>
 #include <set>
 #include <utility>
@@ -139,10 +140,6 @@ std::vector<std::int64_t> regions_of(const par::Comm& comm, const ElementParts& 
   }
   least = comm.min(least);
   greatest = comm.max(greatest);
-  using Stored = std::numeric_limits<std::int32_t>;
-  if (comm.sum(std::ssize(parts.tetrahedron)) > 0 && (least < Stored::min() || greatest > Stored::max()))
-    throw Error(
-        fmt::format("expected regions with numbers of 32 bits, found {}", least < Stored::min() ? least : greatest));
   const bool by_volume = greatest < 0 && least != greatest && !parts.has_signed_regions;
   std::vector<std::int64_t> region;
   reserve_array(region, parts.tetrahedron.size());
@@ -150,6 +147,12 @@ std::vector<std::int64_t> regions_of(const par::Comm& comm, const ElementParts& 
     region.push_back(parts.has_signed_regions ? cell.group
                      : by_volume              ? -cell.group
                                               : std::max<std::int64_t>(cell.group, 0));
+  using Stored = std::numeric_limits<std::int32_t>;
+  par::agree(comm, [&] {
+    for (const auto number : region)
+      if (number < Stored::min() || number > Stored::max())
+        throw Error(fmt::format("expected regions with numbers of 32 bits, found {}", number));
+  });
   return region;
 }
 
@@ -163,14 +166,14 @@ std::vector<mesh::Region> named_regions(const ElementParts& parts) {
 
 /// The triangle that cannot be used, by the numbers that it was given with, and its patch. Collective.
 std::string first_misfit(const par::Comm& comm, const ElementParts& parts, const assemble::BoundaryMatch& match,
-                         const std::function<mesh::Patch(std::int64_t group)>& patch_of_group) {
+                         const std::function<std::string(std::int64_t group)>& name_of_group) {
   std::vector<TaggedTriangle> found;
   if (match.first_misfit && match.first_misfit->rank == comm.rank())
     found.push_back(parts.triangle[static_cast<std::size_t>(match.first_misfit->row)]);
   found = par::gather_few(comm, std::move(found));
   if (found.empty()) return {};
   const auto& [a, b, c] = found.front().node;
-  return fmt::format(", the first with nodes {}, {} and {} in '{}'", a, b, c, patch_of_group(found.front().group).name);
+  return fmt::format(", the first with nodes {}, {} and {} in '{}'", a, b, c, name_of_group(found.front().group));
 }
 
 /// Local.
@@ -286,19 +289,26 @@ mesh::BlockMesh block_of(const par::Comm& comm, ElementParts& parts, Numbered& n
   return block;
 }
 
-/// Patches of one name become `NAME`, `NAME_2`, `NAME_3`, ..., which is said.
+/// Patches of one name become `NAME`, `NAME_2`, `NAME_3`, ..., which is said once.
 void tell_apart(std::vector<mesh::Patch>& patches, std::vector<std::string>& remarks) {
   std::set<std::string> taken, seen;
   for (const auto& patch : patches) taken.insert(patch.name);
+  std::map<std::string, int> last;
+  std::string remark;
+  std::int64_t n_changed = 0;
   for (auto& patch : patches) {
     if (seen.insert(patch.name).second) continue;
+    auto& number = last.try_emplace(patch.name, 1).first->second;
     std::string name;
-    for (int k = 2; name.empty() || !taken.insert(name).second; ++k) name = fmt::format("{}_{}", patch.name, k);
-    remarks.push_back(fmt::format("two patches have the name '{}': the later one is called '{}'",
-                                  shown_text(patch.name), shown_text(name)));
+    do name = fmt::format("{}_{}", patch.name, ++number);
+    while (!taken.insert(name).second);
+    if (++n_changed == 1)
+      remark = fmt::format("two patches have the name '{}': the later one is called '{}'", shown_text(patch.name),
+                           shown_text(name));
     patch.name = name;
-    seen.insert(name);
   }
+  if (n_changed > 1) remark += fmt::format(", and {} more get other names, too", n_changed - 1);
+  if (n_changed > 0) remarks.push_back(remark);
 }
 
 struct InOrder {
@@ -350,10 +360,11 @@ ElementMesh mesh_of_elements(const par::Comm& comm, ElementParts parts, const st
   std::vector<std::int64_t> groups;
   for (const auto& [dimension, group] : of_all)
     if (dimension == 2) groups.push_back(group);
+  const auto place_of = [&](std::int64_t group) {
+    return static_cast<std::size_t>(std::lower_bound(groups.begin(), groups.end(), group) - groups.begin());
+  };
   mesh::BoundaryTriangles boundary;
-  for (const auto& triangle : parts.triangle)
-    boundary.patch.push_back(
-        static_cast<int>(std::lower_bound(groups.begin(), groups.end(), triangle.group) - groups.begin()));
+  for (const auto& triangle : parts.triangle) boundary.patch.push_back(static_cast<int>(place_of(triangle.group)));
 
   boundary.node = std::move(numbered.triangle);
   const auto* const of_cut = result.notes.empty() ? "" : " (a prism or pyramid that was cut may be flat or twisted)";
@@ -388,7 +399,9 @@ ElementMesh mesh_of_elements(const par::Comm& comm, ElementParts parts, const st
   });
   const auto untagged = mesh::find_untagged(patches);
   const auto match = assemble::match_boundary(comm, result.mesh, boundary, static_cast<int>(untagged));
-  require_fitting_triangles(match, source, first_misfit(comm, parts, match, patch_of_group));
+  require_fitting_triangles(match, source, first_misfit(comm, parts, match, [&](std::int64_t group) {
+                              return patches[place_of(group)].name;
+                            }));
   result.n_untagged_faces = mesh::count_faces_of(comm, result.mesh, static_cast<int>(untagged));
   for (std::size_t p = 0; p < match.n_inner.size(); ++p)
     if (match.n_inner[p] > 0) result.inner_faces[patches[p].name] = match.n_inner[p];

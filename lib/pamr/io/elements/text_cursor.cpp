@@ -101,6 +101,7 @@ void TextCursor::skip_to_line(std::string_view text) {
     if (begin > 0 && begin != at_ && bytes_[begin - 1] != '\n') continue;
     if (bytes_.substr(begin, text.size()) != text) continue;
     auto end = begin + text.size();
+    while (end < bytes_.size() && (bytes_[end] == ' ' || bytes_[end] == '\t')) ++end;
     if (end < bytes_.size() && bytes_[end] == '\r') ++end;
     if (end < bytes_.size() && bytes_[end] != '\n') continue;
     at_ = std::min(end + 1, bytes_.size());

@@ -97,7 +97,7 @@ bool has_field(const mesh::DistMesh& mesh, const std::string& name) { return mes
 /// fields when the file is read: `read_vtu` leaves them out.
 struct Extra {
   bool has_level = false, has_ratio = false;
-  mesh::CellField level{"level", "", 1, mesh::StorageType::uint8, std::vector<std::int64_t>()};
+  mesh::CellField level{mesh::level_field, "", 1, mesh::StorageType::uint8, std::vector<std::int64_t>()};
   mesh::CellField ratio{"mean_ratio", "", 1, mesh::StorageType::float32, std::vector<double>()};
 };
 

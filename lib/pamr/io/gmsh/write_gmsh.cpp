@@ -216,6 +216,9 @@ class Writer {
     surfaces_.number = patch_numbers(surfaces_.name, "physical_", 1, surfaces_.number);
     surfaces_.name = physical_names("patch", surfaces_.name, options.remark);
     for (const auto& [region, volume] : elements_.volume) volumes_.add({volume.number, volume.name}, volume.groups);
+    for (const auto number : volumes_.number)
+      if (number > std::numeric_limits<std::int32_t>::max())
+        throw Error(fmt::format("Gmsh: expected regions with numbers below 2^31, found {}", number));
     std::vector<std::string> regions;
     std::copy_if(volumes_.name.begin(), volumes_.name.end(), std::back_inserter(regions),
                  [](const std::string& name) { return !name.empty(); });

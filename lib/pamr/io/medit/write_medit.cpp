@@ -261,7 +261,7 @@ void write_medit_fields(const par::Comm& comm, const std::filesystem::path& file
   if (of_nodes.empty() && of_cells.empty())
     throw Error("Medit: expected fields of reals with 1, 3, 6 or 9 components to write, found none");
   par::agree(comm, [&] {
-    for (const auto* list : {&of_nodes, &of_cells})
+    for (const auto* list : {&fields.of_nodes, &fields.of_cells})
       for (const auto* field : *list)
         if (!field->holds_integers() &&
             !std::all_of(field->real().begin(), field->real().end(), [](double x) { return std::isfinite(x); }))

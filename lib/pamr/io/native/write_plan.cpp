@@ -98,7 +98,7 @@ WritePlan::WritePlan(const par::Comm& comm, const mesh::DistMesh& mesh, int form
   };
   add_fields(mesh.node_fields, false);
   add_fields(mesh.cell_fields, true);
-  if (mesh.find_cell_field("level") == nullptr) add_level();
+  if (mesh.find_cell_field(mesh::level_field) == nullptr) add_level();
   auto triangulations = mesh.info.surfaces->triangulations;
   std::sort(triangulations.begin(), triangulations.end(),
             [](const auto& a, const auto& b) { return a->name < b->name; });
@@ -297,7 +297,7 @@ void WritePlan::add_texts(const std::string& provenance) {
 
 /// It would not be read.
 bool is_level_for_viewers(const mesh::Field& field) {
-  return field.name == "level" && field.n_components == 1 && field.storage == StorageType::uint8;
+  return field.name == mesh::level_field && field.n_components == 1 && field.storage == StorageType::uint8;
 }
 
 namespace {

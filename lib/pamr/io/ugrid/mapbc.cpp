@@ -141,17 +141,19 @@ std::vector<std::string> remarks_of(const Conditions& conditions, const std::fil
 std::string mapbc_text(const mesh::MeshInfo& info, const std::vector<std::int64_t>& number,
                        const std::vector<int>& axis, const std::vector<std::int64_t>& n_faces, const Remark& remark) {
   std::vector<std::string> names;
-  for (const auto& patch : info.patches) names.push_back(patch.name);
+  for (std::size_t p = 0; p < info.patches.size(); ++p)
+    if (n_faces[p] > 0) names.push_back(info.patches[p].name);
   names = written_names(
       {.format = "UGRID", .what = "patch", .is_allowed = [](char) { return true; }, .has_outer_blanks = false}, names,
       remark);
+  auto name = names.begin();
   auto text = fmt::format("{}\n", std::ssize(n_faces) - std::count(n_faces.begin(), n_faces.end(), 0));
   for (std::size_t p = 0; p < info.patches.size(); ++p) {
     if (n_faces[p] == 0) continue;
     const auto& patch = info.patches[p];
     const bool is_kept = patch.condition != 0 && kind_of_condition(patch.condition) == patch.kind;
     text += fmt::format("{} {} {}\n", number[p], is_kept ? patch.condition : condition_of_kind(patch.kind, axis[p]),
-                        names[p]);
+                        *name++);
   }
   return text;
 }

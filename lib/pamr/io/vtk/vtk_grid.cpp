@@ -128,7 +128,7 @@ mesh::Field field_of(const GridArray& array, const std::vector<std::size_t>* row
 
 /// Whether an array is no field but what `write_vtu` has worked out; the level of native files is none either.
 bool is_extra(const GridArray& array, bool is_ours) {
-  return (array.name == "level" && array.type == "UInt8") ||
+  return (array.name == mesh::level_field && array.type == "UInt8") ||
          (is_ours && array.name == "mean_ratio" && array.type == "Float32");
 }
 

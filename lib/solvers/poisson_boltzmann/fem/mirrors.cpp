@@ -30,8 +30,8 @@ std::vector<std::uint64_t> neighbors_of_patches(const par::Comm& comm, const Dom
   return result;
 }
 
-/// Adds a mirror that cuts the set. Those in one plane count once.
-void add_mirror(Mirrors& mirrors, const PatchShape& shape, std::size_t patch) {
+/// Adds a mirror that cuts the set. Those in one plane, by their levels and the largest coordinate, count once.
+void add_mirror(Mirrors& mirrors, const PatchShape& shape, std::size_t patch, double largest) {
   const auto axis = at(shape.axis);
   mirrors.patches |= bit(patch);
   if (mirrors.between[axis]) return;
@@ -39,7 +39,7 @@ void add_mirror(Mirrors& mirrors, const PatchShape& shape, std::size_t patch) {
     mirrors.cut[axis] = true;
     mirrors.level[axis] = shape.level;
     mirrors.factor *= 2;
-  } else if (std::abs(mirrors.level[axis] - shape.level) > 1e-9 * std::max(1.0, std::abs(shape.level))) {
+  } else if (std::abs(mirrors.level[axis] - shape.level) > 1e-9 * largest) {
     mirrors.cut[axis] = false;
     mirrors.between[axis] = true;
     mirrors.factor /= 2;
@@ -61,6 +61,9 @@ std::vector<Mirrors> find_mirrors(const par::Comm& comm, const Domain& domain, c
                                   std::span<const std::uint64_t> sets) {
   const auto& patches = domain.mesh->info.patches;
   const auto neighbors = neighbors_of_patches(comm, domain);
+  double largest = 0;
+  for (const auto p : domain.point) largest = std::max({largest, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+  largest = comm.max(largest);
   std::vector<Mirrors> result(sets.size());
   for (std::size_t s = 0; s < sets.size(); ++s) {
     for (std::size_t q = 0; q < patches.size(); ++q) {
@@ -75,7 +78,7 @@ std::vector<Mirrors> find_mirrors(const par::Comm& comm, const Domain& domain, c
         cuts = cuts || (is_mirror && domain.patches[p].axis != shape.axis);
       }
       if (touches) result[s].neighbors |= bit(q);
-      if (cuts) add_mirror(result[s], shape, q);
+      if (cuts) add_mirror(result[s], shape, q, largest);
     }
   }
   return result;

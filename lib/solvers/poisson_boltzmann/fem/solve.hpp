@@ -29,6 +29,7 @@ struct Solution {
   int newton_iterations = 0;
   int linear_iterations = 0;
   double residual = 0;                   ///< at the end
+  double tolerance = 0;                  ///< of the residual
   double first_residual = 0;             ///< of the potential that is 0 off the boundary
   GlobalId worst_node = invalid_global;  ///< where the residual is largest
   geometry::Vec3 worst_point;            ///< length unit of the mesh
@@ -48,7 +49,8 @@ class System {
   ///   is the only one, the start decides no more than what the tolerance leaves open.
   /// - `show` is called with each line of the convergence table.
   /// - Converged when the residual is below `tolerance` times that of the potential that is 0 off the boundary, with or
-  ///   without the charge of the ions, whichever is less, or what rounding leaves of the latter.
+  ///   without the charge of the ions, whichever is less, or what rounding leaves of the latter; or, where rounding of
+  ///   that charge does not allow it, when a further step would change 1e-8 of the largest potential.
   Solution solve(std::span<const double> start, const std::function<void(const NewtonStep&)>& show);
 
   /// Solution w of the linearized equation at the last solution, w = `value` where u is given (zeros when empty), with
@@ -69,6 +71,9 @@ class System {
   enum class Terms { all, without_ions };
   void residual(Vec u, Vec f, bool with_fixed, Terms terms = Terms::all) const;
   void linearize(Vec u);
+  /// The largest change in a further step of Newton's method, which is not taken; infinite where its linear system is
+  /// not solved to `tolerance`. Collective.
+  double step_to_go(double tolerance);
   void eliminate_fixed();
   void solve_linear(KSP solver, Vec right, Vec result, double tolerance);
   /// Made when the first system is solved. Not that of Newton's method, which sets its own tolerance before every

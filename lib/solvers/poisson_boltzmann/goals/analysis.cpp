@@ -70,7 +70,7 @@ double bar_over_shares_of(const Goal& goal, const Layers& layers) {
   return result;
 }
 
-/// Least error bar over the value: what integration by points, the tolerance of the solver and rounding may leave.
+/// Least error bar over the value: what integration by points and rounding may leave.
 constexpr double min_bar = 1e-8;
 
 /// Sum of the cells' shares over the value from which on a mesh is coarse for a goal.
@@ -132,6 +132,18 @@ DualError error_by_cubic_dual(const par::Comm& comm, const State& state, const G
   return {std::move(error.share), error.correction, bar};
 }
 
+/// What the residual that Newton's method has left may change of a goal with the dual solution w. Collective.
+double left_by_solver(const par::Comm& comm, const State& state, const std::vector<double>& w) {
+  const auto& nodes = state.problem.domain.nodes;
+  std::vector<double> part;
+  part.reserve(nodes.n_owned());
+  for (const auto node : nodes.owned()) {
+    const auto i = at(node);
+    part.push_back(state.problem.conditions.fixed[i] != 0 ? 0 : w[i] * state.reaction[i]);
+  }
+  return std::abs(par::reproducible_sum(comm, part));
+}
+
 /// Error of the goals by the solutions of their dual systems. Collective.
 void add_goals(const par::Comm& comm, const State& state, System& system, std::vector<GoalFunctional> functionals,
                Analysis& result) {
@@ -154,9 +166,9 @@ void add_goals(const par::Comm& comm, const State& state, System& system, std::v
     goal.is_coarse = goal.value && goal.error_bound > coarse_share * size_of(goal, result.patches);
     goal.of_box = functional.factor * far_field_cost(comm, state, result.electrodes, goal.goal, w);
     if (goal.no_error_bar.empty())
-      goal.error_bar =
-          goal.of_box + std::max(functional.factor * error.bar + bar_over_walls * std::abs(functional.through_walls),
-                                 min_bar * std::abs(*goal.value));
+      goal.error_bar = goal.of_box + functional.factor * left_by_solver(comm, state, w) +
+                       std::max(functional.factor * error.bar + bar_over_walls * std::abs(functional.through_walls),
+                                min_bar * std::abs(*goal.value));
     if (result.goals.empty()) {
       result.goal = std::move(error.share);
     } else if (goal.error_bound > 0) {

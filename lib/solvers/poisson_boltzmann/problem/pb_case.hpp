@@ -87,7 +87,8 @@ enum class Recovery { volume_weighted, plain };
 struct SolverOptions {
   Exact<int> order = 1;                       ///< of the elements: 2 isoparametric, with mid-edge nodes on the surfaces
   Quadrature quadrature = Quadrature::nodal;  ///< of first order
-  double tolerance = 1e-10;  ///< of the residual, over that of the potential that is 0 off the boundary
+  double tolerance =
+      1e-10;  ///< of the residual, over that of the potential that is 0 off the boundary (`System::solve`)
   Exact<int> max_newton = 60;
   std::string preconditioner = "auto";  ///< by size (`choose_preconditioner`), "jacobi" or "boomeramg"
   std::string petsc;                    ///< options for PETSc that `check_petsc_options` lets pass
