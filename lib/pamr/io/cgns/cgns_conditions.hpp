@@ -71,8 +71,8 @@ struct ZoneElements {
 
 /// Boundary conditions of a zone give triangles their patch and cells their region: first those on elements, then those
 /// on vertices, which have the triangles whose three corners they name. A condition of a family without a type that
-/// names several groups, as Gmsh has them, makes a patch or region `A+B` that is in all of these. Patches of sections of
-/// which no triangle is left are no patches. Local. Throws `Error` for damaged nodes. Source: CGNS SIDS, "Boundary
+/// names several groups, as Gmsh has them, makes a patch or region `A+B` that is in all of these. Patches of sections
+/// of which no triangle is left are no patches. Local. Throws `Error` for damaged nodes. Source: CGNS SIDS, "Boundary
 /// Conditions".
 void read_conditions(const Tree& tree, const std::string& base, const std::string& zone, ZoneElements& elements,
                      WholeMesh& mesh);

@@ -11,7 +11,7 @@ namespace pamr::io {
 
 /// Writes nodes, boundary triangles (inward, as the program refine has them) and tetrahedra as a binary UGRID file, in
 /// global order, with the greatest byte first for `.b8.ugrid` and the least for `.lb8.ugrid`, and beside it the file
-/// `.mapbc` with the number, condition and name of each patch that has faces, with `_` for blanks at the ends of a name.
+/// `.mapbc` with the number, condition and name of each patch that has faces, with `_` for blanks at the ends of names.
 /// A patch `surface_N` has number N, others the lowest free ones from 1 on. Fields and regions have no place in the
 /// format. The same bytes on any number of ranks.
 /// Collective; throws the same `Error` on every rank, also for more than 2^31 - 1 nodes, triangles or cells, and leaves

@@ -84,9 +84,9 @@ std::vector<CellCollisions> start_collisions(const Gas& gas, double t, std::uint
 ///   particle has molecules.
 /// - The lighter particle takes the outcome. The heavier one gets the mean velocity and rotational energy of its two
 ///   parts, collided and not, which keeps the momentum, and the levels of one of them, drawn by their sizes.
-/// - The energy lost thereby is the cell's `energy_deficit`. The particles of the largest weight present get it at once, all
-///   by the same factor on their velocities about their mean: at most a quarter of their energy about it, what is left
-///   waits for the next such collision. Energy plus deficit is kept to rounding.
+/// - The energy lost thereby is the cell's `energy_deficit`. The particles of the largest weight present get it at
+///   once, all by the same factor on their velocities about their mean: at most a quarter of their energy about it,
+///   what is left waits for the next such collision. Energy plus deficit is kept to rounding.
 ///
 /// Source: G. A. Bird, Molecular Gas Dynamics and the Direct Simulation of Gas Flows, 1994, chapters 11 and 5; I. D.
 /// Boyd, "Conservative species weighting scheme for the direct simulation Monte Carlo method", J. Thermophys. Heat
