@@ -19,6 +19,7 @@ namespace {
 
 /// Share by which two evaluations of one residual may differ.
 constexpr double repeat_rounding = 1e-9;
+constexpr double rounding_of_residual = 4 * std::numeric_limits<double>::epsilon();
 constexpr double known_to = 1e-8;  // of the largest potential, where rounding keeps the residual up
 constexpr double settled = 1e-3;   // of the largest potential: a last step of Newton's method
 
@@ -225,6 +226,21 @@ double System::step_to_go(double tolerance) {
   return largest;
 }
 
+double System::set_tolerance(Solution& solution) {
+  // Beside a wall of high potential sinh may make the first residual as large as it likes: without it, the rest is the
+  // measure. Where potentials cancel, as between two cells of opposite ones, what is left at the free nodes may be
+  // rounding alone.
+  double at_free = 0, at_all = 0;
+  residual(unknown_, work_, false, Terms::without_ions);
+  require(VecNorm(work_, NORM_2, &at_free));
+  residual(unknown_, work_, true, Terms::without_ions);
+  require(VecNorm(work_, NORM_2, &at_all));
+  const double scale = at_free > 0 ? std::min(solution.first_residual, at_free) : solution.first_residual;
+  const double least = std::max(rounding_of_residual * at_all, 1e-300);
+  solution.tolerance = std::max(problem_.input.solver.tolerance * scale, least);
+  return least;
+}
+
 Solution System::solve(std::span<const double> start, const std::function<void(const NewtonStep&)>& show) {
   Solution solution;
   std::vector<double> first(domain_.point.size(), 0);
@@ -237,14 +253,7 @@ Solution System::solve(std::span<const double> start, const std::function<void(c
     solution.reason = "the residual of the potential that is 0 off the boundary is no number";
     return solution;
   }
-  // Beside a wall of high potential sinh may make that as large as it likes: without it, the rest is the measure. Where
-  // potentials cancel, as between two cells of opposite ones, what is left at the free nodes may be rounding alone.
-  double at_free = 0, at_all = 0;
-  residual(unknown_, work_, false, Terms::without_ions);
-  require(VecNorm(work_, NORM_2, &at_free));
-  residual(unknown_, work_, true, Terms::without_ions);
-  require(VecNorm(work_, NORM_2, &at_all));
-  const double scale = at_free > 0 ? std::min(solution.first_residual, at_free) : solution.first_residual;
+  const double least = set_tolerance(solution);
   if (!start.empty() && solution.first_residual > 0) {  // else u = 0 is the solution
     for (std::size_t i = 0; i < first.size(); ++i)
       if (conditions_.fixed[i] == 0) first[i] = start[i];
@@ -253,10 +262,7 @@ Solution System::solve(std::span<const double> start, const std::function<void(c
 
   MonitorContext context{&show, &solution.steps, 0};
   const auto& options = problem_.input.solver;
-  constexpr double rounding_of_residual = 4 * std::numeric_limits<double>::epsilon();
-  const double least = std::max(rounding_of_residual * at_all, 1e-300);
-  const double tolerance = std::max(options.tolerance * scale, least);
-  solution.tolerance = tolerance;
+  const double tolerance = solution.tolerance;
   require(SNESMonitorSet(snes_, monitor, &context, nullptr));
   PetscErrorCode code = 0;
   // A wall of large charge may make the tolerance so large that another wall's potential still changes.

@@ -70,6 +70,9 @@ class System {
   static PetscErrorCode jacobian_callback(SNES snes, Vec u, Mat j, Mat p, void* context);
   enum class Terms { all, without_ions };
   void residual(Vec u, Vec f, bool with_fixed, Terms terms = Terms::all) const;
+  /// That of the residual, by the unknowns at hand, which are 0 off the boundary. Returns the least that rounding
+  /// allows. Collective.
+  double set_tolerance(Solution& solution);
   void linearize(Vec u);
   /// The largest change in a further step of Newton's method, which is not taken; infinite where its linear system is
   /// not solved to `tolerance`. Collective.
