@@ -226,11 +226,17 @@ def test_names_that_a_format_cannot_have_are_others_with_a_word():
             assert sorted(name.decode() for name in file["PAMR/patches/names"]) == sorted(back + ["p", "q", "r", "s"])
 
 
-def test_regions_are_references_of_tetrahedra():
-    kuhn_cube("cube.hdf", 2)
-    with h5py.File("cube.hdf", "r+") as file:
+def cube_of_three_regions(name):
+    """Regions 4, 5 and 6, cell by cell; the number of cells."""
+    kuhn_cube(name, 2)
+    with h5py.File(name, "r+") as file:
         n = len(file["VTKHDF/Types"])
         file["VTKHDF"].require_group("CellData")["region"] = np.arange(n, dtype=np.int32) % 3 + 4
+    return n
+
+
+def test_regions_are_references_of_tetrahedra():
+    n = cube_of_three_regions("cube.hdf")
     for name in ("r.mesh", "r.meshb"):
         run("pamr-convert", "cube.hdf", name, "--quiet")
         assert np.array_equal(meshio.read(name).cell_data_dict["medit:ref"]["tetra"], np.arange(n) % 3 + 4)
@@ -241,10 +247,7 @@ def test_regions_are_references_of_tetrahedra():
 
 def test_regions_of_gmsh_are_entities_of_their_own():
     """Gmsh gives the groups of an entity to all of its elements."""
-    kuhn_cube("cube.hdf", 2)
-    with h5py.File("cube.hdf", "r+") as file:
-        n = len(file["VTKHDF/Types"])
-        file["VTKHDF"].require_group("CellData")["region"] = np.arange(n, dtype=np.int32) % 3 + 4
+    n = cube_of_three_regions("cube.hdf")
     for order in ("1", "2"):
         run("pamr-convert", "cube.hdf", "r.msh", "--gmsh-version", "2.2", "--text", "--order", order, "--quiet", "--force", serial=True)
         rows = [line.split() for line in pathlib.Path("r.msh").read_text().partition("$Elements")[2].splitlines()]

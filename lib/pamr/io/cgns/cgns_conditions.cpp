@@ -149,8 +149,8 @@ class ConditionReader {
     return numbers;
   }
 
-  /// What the family of a condition names, and its type. Gmsh's families, each of an entity, have the names of its
-  /// groups within.
+  /// The group of the family of a condition, and the type of the family. Gmsh writes one family for each entity, with
+  /// the names of the groups of that entity in it.
   std::pair<CellGroup, std::string> family_of(const Node& condition) {
     const auto family = tree_.text(tree_.child(condition.path, "FamilyName_t", true));
     if (family.empty()) return {{condition.name, {}}, {}};

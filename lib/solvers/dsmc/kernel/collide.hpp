@@ -122,7 +122,7 @@ class Collider {
   };
   void collide_pair(Particles& particles, const Partners& partners, double temperature, Random& random);
   void collide_weighted(Particles& particles, Partners partners, CellCollisions& state, Random& random);
-  /// What the cell owes to its particles of the largest weight.
+  /// Gives the energy deficit of a cell to its particles of the largest weight.
   void give_back(Particles& particles, Rows cell, double heaviest, double& deficit) const;
   /// Chances of all modes in gas of a temperature.
   void set_vibration_chances(double temperature);

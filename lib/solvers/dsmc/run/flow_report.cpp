@@ -168,7 +168,7 @@ std::vector<std::string> warnings_of(const Averaging& averaging) {
   const auto& groups = results.groups;
   if (groups.n_groups < 2) return warnings;
   const auto passage = averaging.passage_steps();
-  if (!groups.are_independent && groups.steps < passage)
+  if (groups.steps < passage)
     warnings.push_back(fmt::format(
         "standard errors come from {} groups of {} steps, fewer than the {} in which the flow forgets itself, and "
         "may be too small: for ten that long use sampling = {}",

@@ -132,7 +132,7 @@ DualError error_by_cubic_dual(const par::Comm& comm, const State& state, const G
   return {std::move(error.share), error.correction, bar};
 }
 
-/// What the residual that Newton's method has left may change of a goal with the dual solution w. Collective.
+/// The error of a goal, with dual solution w, from the residual at the end of Newton's method. Collective.
 double left_by_solver(const par::Comm& comm, const State& state, const std::vector<double>& w) {
   const auto& nodes = state.problem.domain.nodes;
   std::vector<double> part;

@@ -301,9 +301,8 @@ std::vector<std::string> describe_layers(const Case& input, const Analysis& anal
 
 std::string describe_failure(const Solution& s) {
   return fmt::format(
-      "not converged after {} Newton steps ({}): residual {:.3e}, {:.3e} at the start, {:.3e} wanted; largest, {:.3e}, "
-      "at "
-      "node {} ({:g}, {:g}, {:g})",
+      "not converged after {} Newton steps ({}): residual {:.3e}, {:.3e} at the start, {:.3e} wanted; largest, "
+      "{:.3e}, at node {} ({:g}, {:g}, {:g})",
       s.newton_iterations, s.reason, s.residual, s.first_residual, s.tolerance, s.worst_residual, s.worst_node,
       s.worst_point.x, s.worst_point.y, s.worst_point.z);
 }
