@@ -3,11 +3,14 @@
 import json
 import math
 import pathlib
+import re
+import subprocess
 import sys
 
 import h5py
 
-sys.path.append(str(pathlib.Path(__file__).resolve().parents[2] / "cases" / "charged-sphere"))
+CASES = pathlib.Path(__file__).resolve().parents[2] / "cases"
+sys.path.append(str(CASES / "charged-sphere"))
 import shell  # noqa: E402
 from pb_cases import MAGNESIUM, SALT, SEA, between, boundary, cell, cube, goals_of, integrate, pressure, solve, source, stated
 from tool_run import of_full_level, of_one_process, prepare_alone, run, run_tests
@@ -44,6 +47,38 @@ def plates(low, high, ions=SALT):
         middle = (steep + flat) / 2
         steep, flat = (steep, middle) if shoot(middle)[0] > high else (middle, flat)
     return {"charge": -steep, "force-z": steep ** 2 / 2 - pressure(ions, low), "energy": shoot(steep)[1]}
+
+
+def graded_box(name, thickness):
+    """A column of bricks 0 < x < 20 whose first one has this thickness; those that follow are each 1.4 times as thick, up to 0.1."""
+    ends, thick = [0.0], thickness
+    while ends[-1] < 20:
+        ends.append(ends[-1] + min(thick, 0.1))
+        thick *= 1.4
+    ends = [20 * x / ends[-1] for x in ends]
+    n = len(ends) - 1
+    subprocess.run([sys.executable, "-B", CASES / "box_mesh.py", "box.msh", str(n), "1", "1", "0", str(n), "0.1"], check=True)
+    head, nodes, rest = re.split(r"(?<=\$Nodes\n)|(?=\$EndNodes)", pathlib.Path("box.msh").read_text())
+    count, *nodes = nodes.splitlines()
+    words = [line.split() for line in nodes]
+    nodes = [f"{node} {ends[round(float(x))]!r} {y} {z}" for node, x, y, z in words]
+    pathlib.Path("box.msh").write_text(head + "\n".join([count, *nodes, rest]))
+    run("pamr-convert", "box.msh", name, "--force", "--quiet")
+    return name
+
+
+@of_one_process
+def test_a_wall_keeps_its_charge_beside_a_very_large_one():
+    for order, potential in ((1, 18), (2, 18), (1, 40), (1, 49)):
+        density = 2 * math.sinh(potential / 2)
+        mesh = graded_box("box.hdf", 0.3 / density)
+        exact = 0.01 * (2 * math.sinh(0.005) - 8 * math.exp(-20))  # all but 4 exp(-x) of the potential falls in the wall's layer
+        for kind, value in (("charge", density), ("potential", potential)):
+            text = f'[solver]\norder = {order}\n[estimator]\ngoal = "charge"\ngoal_patch = "xmax"\n'
+            report, _ = solve(text + boundary(xmin=(kind, value), xmax=("potential", 0.01)), mesh)
+            goal = goals_of(report)["charge"]
+            assert goal["error_bar"] is not None, (order, potential, kind, goal)
+            assert abs(goal["corrected"] - exact) < goal["error_bar"] < 0.01 * exact, (order, potential, kind, goal, exact)
 
 
 @of_one_process
