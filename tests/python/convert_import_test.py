@@ -278,6 +278,8 @@ def test_what_others_put_into_a_native_file_is_told():
             ("group.hdf", lambda file: file.create_group("Mine/deep"), "1 object is left out that the format does not know: /Mine"),
             ("sets.hdf", lambda file: [file.create_dataset(where, data=[1]) for where in ("VTKHDF/FieldData/t", "PAMR/extra", "PAMR/patches/x")],
              "3 objects are left out that the format does not know: /VTKHDF/FieldData, /PAMR/extra, /PAMR/patches/x"),
+            ("texts.hdf", lambda file: [file.create_dataset(f"VTKHDF/{where}", data=np.array([b"x", b"yz"])) for where in ("CellData/a", "PointData/b")],
+             "2 objects are left out that the format does not know: /VTKHDF/PointData/b, /VTKHDF/CellData/a"),
             ("link.hdf", lambda file: file.__setitem__("gone", __import__("h5py").SoftLink("/none")), "does not know: /gone"),
             ("steps.hdf", steps, "the fields are those of the last of 3 time steps, the others are left out"),
             ("level.hdf", level, "the field 'level' is left out: one of that name and type says how often cells were refined")]:

@@ -156,9 +156,9 @@ std::vector<Damage> damages_of_the_structure() {
          write_dataset<double>(f, "/VTKHDF/CellData/u", {48, 0}, {});
        },
        {"/VTKHDF/CellData/u", "components"}},
-      {"TextField",
-       [](const path& f) { write_texts(f, "/VTKHDF/CellData/u", std::vector<std::string>(48, "x")); },
-       {"/VTKHDF/CellData/u", "expected numbers", "found text"}},
+      {"TextPoints",
+       [](const path& f) { write_texts(f, "/VTKHDF/Points", std::vector<std::string>(27, "x")); },
+       {"/VTKHDF/Points", "expected numbers", "found text"}},
       {"GroupAsField", [](const path& f) { create_group(f, "/VTKHDF/CellData/v"); }, {"/VTKHDF/CellData/v"}},
       {"SoftLink",
        [](const path& f) { make_soft_link(f, "/VTKHDF/CellData/u", "/VTKHDF/CellData/w"); },

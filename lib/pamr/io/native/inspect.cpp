@@ -60,6 +60,7 @@ class Inspector {
   bool check_layout(hid_t dataset, std::uint64_t bytes, const std::string& path);
   void check_filters(hid_t properties, const std::string& path) const;
 
+  bool has_texts(const std::string& path) const;
   void text(const std::string& path);
   std::vector<std::string> texts_from(hid_t object, hid_t type, hid_t space, bool is_attribute,
                                       const std::string& path) const;
@@ -101,6 +102,10 @@ Catalog Inspector::run() {
     if (!has_group(group)) continue;
     for (const auto& name : names_in(group)) {
       const auto path = group + "/" + name;
+      if (has_texts(path)) {
+        catalog_.others.push_back(path);
+        continue;
+      }
       array(path, 0);
       text_attribute(path, "unit");
     }
@@ -252,6 +257,15 @@ mesh::StorageType Inspector::number_type(hid_t type, const std::string& path) co
                  (kind == H5T_ENUM     ? "an enumeration (a Boolean field has to be written as uint8)"
                   : kind == H5T_STRING ? "text"
                                        : "another type"));
+}
+
+/// Whether a dataset hangs there whose values are texts.
+bool Inspector::has_texts(const std::string& path) const {
+  if (!has_link(path)) return false;
+  const auto object = hdf5::take(H5Oopen(h5_.id(), path.c_str(), H5P_DEFAULT), H5Oclose, at(path, "cannot open it"));
+  if (H5Iget_type(object.id()) != H5I_DATASET) return false;
+  const Handle type(H5Dget_type(object.id()), H5Tclose);
+  return H5Tget_class(type.id()) == H5T_STRING;
 }
 
 void Inspector::array(const std::string& path, hsize_t max_values) {

@@ -17,8 +17,7 @@ using nlohmann::json;
 
 /// How reports show the coefficients.
 struct Style {
-  bool has_averages = true;
-  double student = 1;  ///< from a standard error to the bounds of 95 %; infinite: there is none
+  KnownAverages known;
   bool with_lift = true;
   const Scale& scale;
 };
@@ -26,10 +25,10 @@ struct Style {
 /// What there is not is null.
 json shown(const Estimate& e, const Style& style) {
   json j{{"value", nullptr}, {"stderr", nullptr}};
-  if (style.has_averages) j["value"] = e.value;
-  if (!std::isfinite(style.student)) return j;
+  if (style.known.is_any) j["value"] = e.value;
+  if (!std::isfinite(style.known.student)) return j;
   j["stderr"] = e.error;
-  j["ci95"] = style.student * e.error;
+  j["ci95"] = style.known.student * e.error;
   return j;
 }
 
@@ -115,7 +114,7 @@ json report_of(const Computation& computation, const Outcome& outcome) {
                              {"messages_per_step", ranks.messages},   {"bytes_per_step", ranks.bytes},
                              {"exchanges_per_step", ranks.exchanges}, {"reductions_per_step", ranks.reductions}};
   report["averages"] = averages_of(averaging, results, student);
-  const Style style{results.n_blocks > 0, student, c.reference.gives_lift(), averaging.scale()};
+  const Style style{{results.n_blocks > 0, student}, c.reference.gives_lift(), averaging.scale()};
   report.update(shown(results.body, style));
   report["reference"] = shown(c.reference, averaging.scale());
   for (const auto& species : c.gas.species) report["species"].push_back(shown(species));

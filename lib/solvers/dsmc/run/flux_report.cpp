@@ -15,13 +15,7 @@ namespace {
 
 using nlohmann::json;
 
-/// What there is of averages.
-struct Known {
-  bool is_any = true;
-  double student = 1;  ///< from a standard error to the bounds of 95 %; infinite: there is none
-};
-
-json shown(const SurfaceFlux::Estimates& flux, Known known) {
+json shown(const SurfaceFlux::Estimates& flux, KnownAverages known) {
   const auto values = [&](auto part, std::size_t first, std::size_t n) {
     if (n == 1) return json(part(flux[first]));
     json list = json::array();
@@ -40,7 +34,7 @@ json shown(const SurfaceFlux::Estimates& flux, Known known) {
   return j;
 }
 
-json shown(const SurfaceFlux& flux, Known known, bool is_plane) {
+json shown(const SurfaceFlux& flux, KnownAverages known, bool is_plane) {
   return {{is_plane ? "along" : "out", shown(flux.out, known)},
           {is_plane ? "against" : "in", shown(flux.in, known)},
           {"net", shown(flux.net, known)}};
@@ -63,7 +57,7 @@ json fluxes_report(const Computation& computation) {
   const auto& averaging = computation.averaging();
   const auto& species = computation.flow().setup().gas.species;
   const auto names = surfaces_of(computation);
-  const Known known{!averaging.state().flux_blocks.empty(), student_95(averaging.flux_groups().n_groups)};
+  const KnownAverages known{!averaging.state().flux_blocks.empty(), student_95(averaging.flux_groups().n_groups)};
   json report{{"blocks", averaging.state().flux_blocks.size()}, {"patches", json::object()}};
   for (std::size_t k = 0; k < names.size(); ++k) {
     const bool is_plane = k >= n_patches_of(computation);

@@ -9,6 +9,12 @@
 
 namespace pamr::dsmc {
 
+/// Which averages a report can show.
+struct KnownAverages {
+  bool is_any = true;
+  double student = 1;  ///< from a standard error to the bounds of 95 %; infinite: there is none
+};
+
 /// Names of the surfaces through which molecules are counted: the patches of the mesh, then the planes. Local.
 std::vector<std::string> surfaces_of(const Computation& computation);
 
