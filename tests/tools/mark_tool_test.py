@@ -111,6 +111,8 @@ def test_the_bulk_of_a_field_is_the_fewest_cells_that_carry_it():
     usual, _ = mark("a.hdf", "--bulk-of", "part")
     assert list(usual) == list(found), "a fraction of 0.3 is the usual one"
     refuses("pamr-mark", "a.hdf", "-o", "out.hdf", "--bulk-of", ":0.3", says=["FIELD or"], creates="out.hdf")
+    add_cell_field("a.hdf", "huge", np.full(len(cells), 1e308))
+    refuses("pamr-mark", "a.hdf", "-o", "out.hdf", "--bulk-of", "huge", says=["too large"], creates="out.hdf")
     refuses("pamr-mark", "a.hdf", "-o", "out.hdf", "--bulk-of", "part:1.5", says=["at most 1"], creates="out.hdf")
     add_cell_field("a.hdf", "change", -share)
     refuses("pamr-mark", "a.hdf", "-o", "out.hdf", "--bulk-of", "change:0.5", says=["change"], creates="out.hdf")

@@ -26,9 +26,9 @@ std::string decimal(Vec3 value);
 /// Largest absolute coordinate.
 inline double largest_coordinate(Vec3 v) { return std::fmax(std::fmax(std::abs(v.x), std::abs(v.y)), std::abs(v.z)); }
 
-/// Whether all coordinates are below 1e100, so that volumes, mean ratios and squares of lengths are finite numbers.
+/// Whether all coordinates are below 1e30, so that volumes, mean ratios and squares of lengths are finite numbers.
 inline bool is_in_range(Vec3 v) {
-  constexpr double most = 1e100;
+  constexpr double most = 1e30;
   return std::abs(v.x) < most && std::abs(v.y) < most && std::abs(v.z) < most;
 }
 

@@ -73,6 +73,9 @@ RecoveredError recovered_error(const par::Comm& comm, const mesh::DistMesh& mesh
     sums[1].add(volume[c] * squared_norm(gradient[c]));
   }
   const auto totals = par::reproducible_sums(comm, sums);
+  if (!std::isfinite(totals[0]) || !std::isfinite(totals[1]))
+    throw Error(
+        fmt::format("field \"{}\": expected values whose squares are finite numbers, found too large ones", field));
   result.total_squared = totals[0];
   result.norm_squared = totals[1];
   return result;
@@ -97,7 +100,9 @@ Indicator bulk_of_error(const par::Comm& comm, const mesh::DistMesh& mesh, const
     throw Error(fmt::format("expected a fraction of the error between 0 and 1, found {}", fraction));
   Indicator rounded(error.squared.size());
   std::transform(error.squared.begin(), error.squared.end(), rounded.begin(), round_to_20_bits);
-  const double wanted = fraction * par::reproducible_sum(comm, rounded);
+  const double total = par::reproducible_sum(comm, rounded);
+  if (!std::isfinite(total)) throw Error("expected values whose sum is a finite number, found too large ones");
+  const double wanted = fraction * total;
   const auto share_of = [&](const std::vector<std::uint8_t>& marks) {
     std::vector<double> chosen;
     for (std::size_t i = 0; i < marks.size(); ++i)

@@ -28,7 +28,7 @@ struct Violation {
 /// | `unique_cells`          | every global cell number occurs on exactly one rank, once                              |
 /// | `distinct_corners`      | four different nodes a cell                                                            |
 /// | `fields_sized`          | values of a field: elements times components                                           |
-/// | `finite_coordinates`    | (where: node) no coordinate of 1e100 or more, no NaN                                   |
+/// | `finite_coordinates`    | (where: node) no coordinate of 1e30 or more, no NaN                                    |
 /// | `orientation_positive`  | (p1-p0) x (p2-p0) . (p3-p0) > 0 by exact arithmetic                                    |
 /// | `not_flat`              | mean ratio of at least 1e-8                                                            |
 /// | `patches_in_range`      | boundary and inner faces name patches that exist                                       |

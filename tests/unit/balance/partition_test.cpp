@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <set>
 
 #include "pamr/assemble/kuhn_cube.hpp"
@@ -11,6 +12,7 @@
 #include "pamr/balance/price.hpp"
 #include "pamr/balance/scotch_partition.hpp"
 #include "pamr/balance/weighted_blocks.hpp"
+#include "pamr/balance/weights.hpp"
 #include "pamr/order/order_along_curve.hpp"
 #include "refined_mesh.hpp"
 
@@ -108,6 +110,27 @@ TEST(Partition, CutsFewerFacesThanRunsOfCellsInRandomOrder) {
 
   EXPECT_EQ(scotch.method, balance::has_scotch() ? Method::scotch : Method::curve);
   EXPECT_LT(3 * scotch.quality.edge_cut, blocks.quality.edge_cut);
+}
+
+TEST(Partition, CutsAsFewFacesForRealWeightsAsForThoseRounded) {
+  const par::Comm comm(MPI_COMM_WORLD);
+  const auto mesh = test::refined_mesh(comm, 3);
+  std::vector<double> real, rounded, with_none;
+  for (const auto id : mesh.cell_global) {
+    real.push_back(0.5 + 0.5 * static_cast<double>(id * 7919 % 1009) / 1009);
+    rounded.push_back(std::round(1000 * real.back()));
+    with_none.push_back(id == 0 ? 0 : rounded.back());
+  }
+  const auto cut = [&](const std::vector<double>& weight) {
+    const auto integers = balance::integer_weights(comm, mesh, weight);
+    const auto result = balance::partition(comm, mesh, integers, 4, {.method = Method::scotch, .keep_below = 0});
+    EXPECT_EQ(result.method, balance::has_scotch() ? Method::scotch : Method::curve);
+    return static_cast<double>(result.quality.edge_cut);
+  };
+
+  const double expected = cut(rounded);
+  EXPECT_LT(cut(real), 1.15 * expected);
+  EXPECT_LT(cut(with_none), 1.15 * expected);
 }
 
 TEST(Partition, IsTheSameWhenItIsMadeAgain) {

@@ -14,7 +14,7 @@ namespace pamr::geometry {
 void drop_unused_points(Triangulation& surface);
 
 /// Throws `Error` beginning with `where` and naming the first triangle concerned (counted from 1) unless the surface is
-/// one that a body may have: not empty, coordinates finite and below 1e100, numbers of points in range, three different
+/// one that a body may have: not empty, coordinates finite and below 1e30, numbers of points in range, three different
 /// points a triangle, no triangle flatter than 1e-10 of its longest edge, at most two triangles at an edge, both in the
 /// same sense, every edge closed (unless `open_allowed`), and the triangles at a point joined to one fan.
 /// O(n log n).

@@ -28,7 +28,7 @@ NamedTriangulation read_named_triangulation(
     const std::filesystem::path& file, Exact<bool> open_allowed = false,
     const PartChoice& is_part = [](const std::string&) { return true; });
 
-/// The triangles and points of such a file as they stand there: whole files, finite coordinates below 1e100, points
+/// The triangles and points of such a file as they stand there: whole files, finite coordinates below 1e30, points
 /// that exist, but any surface, empty ones too. For tools that say what is wrong with a surface; the others take
 /// `read_triangulation`. Throws `Error` otherwise. Local.
 Triangulation read_soup(const std::filesystem::path& file);
