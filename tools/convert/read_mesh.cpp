@@ -91,7 +91,9 @@ void scale_mesh(const par::Comm& comm, mesh::DistMesh& mesh, double factor, bool
     p = {factor * p.x, factor * p.y, factor * p.z};
     is_in_range = is_in_range && geometry::is_in_range(p);
   }
-  if (!comm.all(is_in_range)) throw Error("--scale: expected coordinates that stay below 1e30, found others");
+  if (!comm.all(is_in_range))
+    throw Error(
+        fmt::format("--scale: expected coordinates that stay below {}, found others", geometry::max_coordinate_text));
 }
 
 void set_kinds(const std::vector<std::string>& pairs, mesh::DistMesh& mesh) {

@@ -26,10 +26,13 @@ std::string decimal(Vec3 value);
 /// Largest absolute coordinate.
 inline double largest_coordinate(Vec3 v) { return std::fmax(std::fmax(std::abs(v.x), std::abs(v.y)), std::abs(v.z)); }
 
-/// Whether all coordinates are below 1e30, so that volumes, mean ratios and squares of lengths are finite numbers.
+/// Coordinates are below this, so that the measures of shapes, which have up to the eighth power of lengths, are finite.
+inline constexpr double max_coordinate = 1e30;
+inline constexpr const char* max_coordinate_text = "1e30";  ///< for messages
+
+/// Whether all coordinates are, and none is NaN.
 inline bool is_in_range(Vec3 v) {
-  constexpr double most = 1e30;
-  return std::abs(v.x) < most && std::abs(v.y) < most && std::abs(v.z) < most;
+  return std::abs(v.x) < max_coordinate && std::abs(v.y) < max_coordinate && std::abs(v.z) < max_coordinate;
 }
 
 /// Below this length a vector has no usable direction: its square underflows.

@@ -27,6 +27,7 @@
 #include <utility>
 
 #include "pamr/base/error.hpp"
+#include "pamr/geometry/parameters.hpp"
 
 namespace pamr::geometry {
 
@@ -163,7 +164,7 @@ void triangulate(const TopoDS_Shape& shape, double deflection) {
   double x0 = 0, y0 = 0, z0 = 0, x1 = 0, y1 = 0, z1 = 0;
   box.Get(x0, y0, z0, x1, y1, z1);
   const double size = norm(Vec3{x1 - x0, y1 - y0, z1 - z0});
-  if (!(size > 0 && size < 1e30)) throw Error(fmt::format("expected a shape of finite size, found {}", size));
+  if (!(size > 0 && size < max_coordinate)) throw Error(fmt::format("expected a shape of finite size, found {}", size));
   BRepTools::Clean(shape);
   IMeshTools_Parameters parameters;
   parameters.Deflection = deflection * size;

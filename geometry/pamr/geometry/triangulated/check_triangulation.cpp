@@ -31,7 +31,9 @@ void require_shapes(const Triangulation& surface, const std::string& where) {
       if (p < 0 || p >= n_points)
         fail(where, number, fmt::format("expected points from 1 to {}, found {}", n_points, p + 1));
       if (!is_in_range(surface.points[at(p)]))
-        fail(where, number, "expected finite coordinates below 1e30, found " + decimal(surface.points[at(p)]));
+        fail(where, number,
+             fmt::format("expected finite coordinates below {}, found {}", max_coordinate_text,
+                         decimal(surface.points[at(p)])));
     }
     const Vec3 a = surface.points[at(corner[0])], b = surface.points[at(corner[1])], c = surface.points[at(corner[2])];
     const double longest = std::sqrt(std::max({squared_norm(b - a), squared_norm(c - b), squared_norm(a - c)}));

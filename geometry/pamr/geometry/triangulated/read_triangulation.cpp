@@ -128,8 +128,8 @@ Triangulation parse_soup(std::string_view bytes, const std::string& where) {
   const auto n_points = std::ssize(surface.points);
   for (std::ptrdiff_t i = 0; i < n_points; ++i)
     if (const Vec3 p = surface.points[static_cast<std::size_t>(i)]; !is_in_range(p))
-      throw Error(
-          fmt::format("{}: point {}: expected finite coordinates below 1e30, found {}", where, i + 1, decimal(p)));
+      throw Error(fmt::format("{}: point {}: expected finite coordinates below {}, found {}", where, i + 1,
+                              max_coordinate_text, decimal(p)));
   for (std::size_t t = 0; t < surface.triangles.size(); ++t)
     for (const int p : surface.triangles[t])
       if (p < 0 || p >= n_points)

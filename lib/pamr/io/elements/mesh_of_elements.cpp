@@ -374,7 +374,8 @@ ElementMesh mesh_of_elements(const par::Comm& comm, ElementParts parts, const st
     par::agree(comm, [&] {
       for (const auto p : block.node_position)
         if (!geometry::is_in_range(p))
-          throw Error(fmt::format("expected coordinates below 1e30, found {:g}, {:g}, {:g}", p.x, p.y, p.z));
+          throw Error(fmt::format("expected coordinates below {}, found {:g}, {:g}, {:g}",
+                                  geometry::max_coordinate_text, p.x, p.y, p.z));
       for (const auto& field : block.cell_fields) mesh::require_inner_patches(field, 0);  // it is no field of ours
     });
     const auto [n_turned, n_flat] = assemble::orient(comm, block, options.repair);

@@ -45,6 +45,7 @@ class Inspector {
     return "file '" + file_.string() + "', " + path + ": " + trouble;
   }
 
+  Handle object_at(const std::string& path) const;
   bool has_link(const std::string& path) const;
   bool has_group(const std::string& path) const;
   bool is_empty(const std::string& path) const;
@@ -189,6 +190,10 @@ void Inspector::pamr() {
   if (has_group("/PAMR/checksums")) all_number_attributes("/PAMR/checksums");
 }
 
+Handle Inspector::object_at(const std::string& path) const {
+  return hdf5::take(H5Oopen(h5_.id(), path.c_str(), H5P_DEFAULT), H5Oclose, at(path, "cannot open it"));
+}
+
 /// Whether an object hangs there by a plain link; a soft or external link could lead anywhere, so it is refused.
 bool Inspector::has_link(const std::string& path) const {
   const auto exists = H5Lexists(h5_.id(), path.c_str(), H5P_DEFAULT);
@@ -202,7 +207,7 @@ bool Inspector::has_link(const std::string& path) const {
 
 bool Inspector::has_group(const std::string& path) const {
   if (!has_link(path)) return false;
-  const auto object = hdf5::take(H5Oopen(h5_.id(), path.c_str(), H5P_DEFAULT), H5Oclose, at(path, "cannot open it"));
+  const auto object = object_at(path);
   if (H5Iget_type(object.id()) != H5I_GROUP) fail(path, "expected a group, found a dataset or type");
   return true;
 }
@@ -210,7 +215,7 @@ bool Inspector::has_group(const std::string& path) const {
 /// Whether a group, or a dataset, has nothing in it.
 bool Inspector::is_empty(const std::string& path) const {
   if (!has_link(path)) return true;
-  const auto object = hdf5::take(H5Oopen(h5_.id(), path.c_str(), H5P_DEFAULT), H5Oclose, at(path, "cannot open it"));
+  const auto object = object_at(path);
   if (H5Iget_type(object.id()) == H5I_GROUP) {
     H5G_info_t info;
     return H5Gget_info(object.id(), &info) >= 0 && info.nlinks == 0;
@@ -262,7 +267,7 @@ mesh::StorageType Inspector::number_type(hid_t type, const std::string& path) co
 /// Whether a dataset hangs there whose values are texts.
 bool Inspector::has_texts(const std::string& path) const {
   if (!has_link(path)) return false;
-  const auto object = hdf5::take(H5Oopen(h5_.id(), path.c_str(), H5P_DEFAULT), H5Oclose, at(path, "cannot open it"));
+  const auto object = object_at(path);
   if (H5Iget_type(object.id()) != H5I_DATASET) return false;
   const Handle type(H5Dget_type(object.id()), H5Tclose);
   return H5Tget_class(type.id()) == H5T_STRING;

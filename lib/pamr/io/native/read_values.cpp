@@ -25,7 +25,8 @@ std::vector<geometry::Vec3> read_points(SlabReader& reader, const Dataset& datas
                              std::bit_cast<double>(words[i + 2])};
       if (!is_finite(p)) reader.fail(dataset.path, row, "finite coordinates", "NaN or infinity");
       if (!geometry::is_in_range(p))
-        reader.fail(dataset.path, row, "coordinates below 1e30", fmt::format("{:g}, {:g}, {:g}", p.x, p.y, p.z));
+        reader.fail(dataset.path, row, fmt::format("coordinates below {}", geometry::max_coordinate_text),
+                    fmt::format("{:g}, {:g}, {:g}", p.x, p.y, p.z));
       points[at(row - rows.begin)] = p;
     }
   });
