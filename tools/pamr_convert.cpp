@@ -83,7 +83,7 @@ convert::ReadRequest read_request(const Options& options) {
 void adjust(const par::Comm& comm, const Options& options, mesh::DistMesh& mesh) {
   auto& unit = mesh.info.length_unit;
   if (options.scale != 1) {
-    const bool needs_surfaces = options.order == 2 || options.to->is_native;
+    const bool needs_surfaces = convert::asks_for_surfaces(options) || options.to->is_native;
     convert::scale_mesh(comm, mesh, options.scale, needs_surfaces);
     unit = options.asks_unit ? options.unit : "";  // what it was no longer holds
   } else if (options.asks_unit) {
@@ -138,7 +138,7 @@ void associate(cli::Session& session, const Options& options, const std::string&
   const auto& comm = session.comm();
   const bool is_import = !options.from->is_native;
   if (!convert::brings_surfaces(options)) {
-    if (is_import && options.to->is_native)
+    if (is_import && (options.to->is_native || options.order == 2))
       convert::tell_known_shapes(session, convert::find_known_shapes(comm, mesh, {}, false, report));
     return;
   }

@@ -65,10 +65,10 @@ void declare(cli::CommandLine& line, Options& o) {
       .type_name("FILE")
       .excludes(restart);
   line.group("Other outputs", "pamr-dsmc case.toml --mesh level0.hdf -o flow.hdf --surface wall.vtu --lines lines.csv");
-  line.option("--surface", o.out.surface, "averages on the walls: triangles in VTK's XML format").type_name("FILE.vtu");
+  line.option("--surface", o.out.surface, "averages on the walls: triangles in VTK's XML format").file_ending(".vtu");
   line.option("--lines", o.out.lines, "averages at the case's stations on walls, lines and planes in the gas")
-      .type_name("FILE.csv");
-  line.option("--history", o.out.history, "particles and loads over time").type_name("FILE.csv");
+      .file_ending(".csv");
+  line.option("--history", o.out.history, "particles and loads over time").file_ending(".csv");
   line.option("--series", o.series,
               "the flow of each window of the averages ([run] window), with the mesh as it was then: NAME-STEP.hdf")
       .type_name("NAME");
@@ -114,6 +114,8 @@ void check_outputs(cli::Session& session, const Options& o, const dsmc::Case& c,
     if (!file.empty()) session.check_output(file, o.force);
   check_checkpoint(session, o, c, from);
   check_series(session, o, c, o.restart.empty() ? 0 : from.steps_done);
+  if (!o.out.lines.empty() && c.station.empty() && c.line.empty() && c.plane.empty())
+    throw Error("--lines: expected [[station]], [[line]] or [[plane]] in the case, found none");
 }
 
 /// The mesh that the run goes on with, and the weight that the case has for another mesh.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
@@ -26,6 +27,7 @@
 #include "pamr/mark/budget.hpp"
 #include "pamr/mark/criteria.hpp"
 #include "pamr/mesh/inner_patches.hpp"
+#include "pamr/mesh/level0_key.hpp"
 #include "pamr/mesh/require_field.hpp"
 #include "pamr/validate/validate.hpp"
 
@@ -106,11 +108,10 @@ void declare(cli::CommandLine& line, Options& options) {
   line.option("--quality-control", options.quality_control, "of the refinement whose size is predicted")
       .one_of(refine::quality_control_list())
       .show_default();
-  line.option("--shape-floor", options.shape_floor, "the same option of that refinement")
-      .type_name("TAU")
-      .range(0.0, 1.0)
-      .show_default();
-  line.after_reading([&line, &options] {
+  auto floor = line.option("--shape-floor", options.shape_floor, "the same option of that refinement");
+  floor.type_name("TAU").range(0.0, 1.0).show_default();
+  line.after_reading([&line, &options, floor] {
+    cli::CommandLine::refuse_ignored(floor, options.quality_control == "removable", "--quality-control removable");
     for (auto& [name, value] : line.listed()) options.given.push_back({name, value});
   });
 }
@@ -210,14 +211,38 @@ void warn_of_empty_places(const cli::Session& session, const mark::Request& requ
   }
 }
 
+/// Where the mesh gets more cells than are allowed, or fewer than are to fill it, and where nothing is marked. `waits`:
+/// cells may be coarsened, and `--keep-for` keeps them.
+void warn_of_limits(const cli::Session& session, const Options& options, const nlohmann::json& report, bool waits) {
+  const auto count = [&](const char* name) { return report[name].get<std::int64_t>(); };
+  const auto most = options.max_cells.value_or(std::numeric_limits<std::int64_t>::max()), after = count("cells_after");
+  const bool nothing_changes = count("marked") == 0 && count("may_go") == 0;
+  if (after > most)
+    session.warn(nothing_changes ? fmt::format("nothing is marked: the mesh has {} cells already, more than "
+                                               "--max-cells {}",
+                                               count("cells"), most)
+                                 : fmt::format("{} cells after refinement are more than --max-cells {}: coarsening "
+                                               "once takes no more; mark again after it",
+                                               after, most));
+  else if (nothing_changes && !waits)
+    session.warn(count("wanted") > 0 ? "nothing is marked: not one of the cells that are wanted fits into --max-cells"
+                                     : "nothing is marked: no cell meets a criterion and every limit");
+  if (options.fill && static_cast<double>(after) < mark::smallest_part_of_budget * static_cast<double>(most))
+    session.warn(
+        fmt::format("--fill: {} cells after refinement are fewer than --max-cells {}: looser values mark no "
+                    "more that fit",
+                    after, most));
+}
+
 /// Refuses to replace fields that hold something else. Collective.
 void require_own_fields(const par::Comm& comm, const mesh::DistMesh& mesh, const Options& options) {
-  for (const std::string_view taken :
-       {mesh::region_field, mesh::inner_patch_field, mesh::parent_field, mesh::level_field})
+  for (const std::string_view taken : {mesh::region_field, mesh::inner_patch_field, mesh::parent_field,
+                                       mesh::level_field, mesh::level0_cell_field, mesh::level0_key_field})
     if (options.marks == taken)
       throw Error(fmt::format("--marks: expected a name that means nothing else in a mesh, found '{}'", taken));
   mesh::require_replaceable(comm, mesh, {options.marks, "--marks", -1, 1});
-  mesh::require_replaceable(comm, mesh, {balance::work_field(options.marks), "the work of the --marks", 0, 255});
+  mesh::require_replaceable(
+      comm, mesh, {balance::work_field(options.marks), "the work of the --marks", 0, 255, balance::work_type});
 }
 
 cli::ExitCode run(cli::Session& session, const Options& options) {
@@ -240,6 +265,7 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
   const auto n_wanted = mark::count_marked(comm, mark::marks_of(applied.indicator));
   if (options.fill && !(options.max_cells && moves_thresholds(request)))
     throw Error("--fill: expected --max-cells and a criterion with --coarsen-below, found none");
+  const bool waits = request.keep_for > 0 && mark::count_marked(comm, applied.may_go) > 0;
   const auto [marks, may_go, work, cells_after, nodes_after, too_fine, factor] = with_file_name(
       options.input, [&] { return choose_marks(comm, mesh, request, applied, std::move(known), options, refinement); });
   const auto n_marked = mark::count_marked(comm, marks);
@@ -274,12 +300,7 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
         fmt::format("closing the marks splits {} cells of level {} or deeper: families of closure cells that "
                     "cannot be undone stand beside them",
                     too_fine, *request.max_level));
-  if (options.max_cells && mesh.info.n_global_cells > *options.max_cells && n_may_go == 0)
-    session.warn(fmt::format("nothing is marked: the mesh has {} cells already, more than --max-cells {}",
-                             mesh.info.n_global_cells, *options.max_cells));
-  else if (n_marked == 0 && n_may_go == 0)
-    session.warn(n_wanted > 0 ? "nothing is marked: not one of the cells that are wanted fits into --max-cells"
-                              : "nothing is marked: no cell meets a criterion and every limit");
+  warn_of_limits(session, options, report, waits);
   if (n_wanted > 0) warn_of_empty_places(session, request, applied);
   session.summary(fmt::format("{} of {} cells marked{}{}; {} cells and {} nodes after refinement -> {}", n_marked,
                               mesh.info.n_global_cells,

@@ -26,7 +26,7 @@ struct Options {
   int n = 0;
   double size = 0;
   int format = io::newest_format;
-  bool force = false;
+  bool force = false, asks_unit = false;
 };
 
 void declare(cli::CommandLine& line, Options& options) {
@@ -41,8 +41,8 @@ void declare(cli::CommandLine& line, Options& options) {
               "0.004), "
               "a STEP, IGES or BREP file in --unit (default a fifteenth of its size)")
       .positive();
-  line.option("--unit", options.unit, "of the mesh of a STEP, IGES or BREP file: mm, cm, m, um, in or ft")
-      .show_default();
+  auto unit = line.option("--unit", options.unit, "of the mesh of a STEP, IGES or BREP file: mm, cm, m, um, in or ft");
+  unit.show_default();
   line.option("--solid", options.solids,
               "name of a solid of a STEP, IGES or BREP file to take, with its number where several have one name, or "
               "without it: all of these; may be given several times (default all solids)")
@@ -50,6 +50,7 @@ void declare(cli::CommandLine& line, Options& options) {
   line.option("-o,--output", options.output, "mesh to write (.hdf)").required();
   line.option("--format", options.format, cli::format_help).range(io::oldest_format, io::newest_format).show_default();
   line.flag("--force", options.force, cli::force_help);
+  line.after_reading([unit, &options] { options.asks_unit = unit.is_given(); });
 }
 
 /// A mesh or triangles instead of a case are for other tools, or need a case. Local.
@@ -77,7 +78,7 @@ void require_consistent(const Options& o) {
         "of its own");
   if (!geometry::is_cad_unit(o.unit)) throw Error("--unit: expected mm, cm, m, um, in or ft, found " + o.unit);
   if (!o.solids.empty() && !is_cad) throw Error("expected --solid with a STEP, IGES or BREP file only");
-  if (o.unit != geometry::usual_cad_unit && !is_cad)
+  if (o.asks_unit && !is_cad)
     throw Error("expected --unit with a STEP, IGES or BREP file only; a case file has unit in its [[surface]]");
 }
 

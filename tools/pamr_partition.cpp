@@ -32,7 +32,7 @@ struct Options {
   std::string input, output, weights = "refine", marks = "refine", method = "scotch", quality_control = "removable";
   Rank n_parts = 0;
   int format = io::newest_format;
-  bool force = false;
+  bool force = false, asks_marks = false;
   double shape_floor = refine::default_shape_floor;
 };
 
@@ -53,22 +53,38 @@ void declare(cli::CommandLine& line, Options& options) {
               "order (blocks)")
       .one_of({"scotch", "curve", "blocks"})
       .show_default();
-  line.option("--marks", options.marks,
-              "of --weights refine and 8/1: integer cell field of marks, -1 may be coarsened, 0 keep, 1 split")
-      .show_default();
-  line.option("--quality-control", options.quality_control, "of --weights refine: the refinement that is predicted")
-      .one_of(refine::quality_control_list())
-      .show_default();
-  line.option("--shape-floor", options.shape_floor, "the same option of that refinement")
-      .type_name("TAU")
-      .range(0.0, 1.0)
-      .show_default();
+  auto marks =
+      line.option("--marks", options.marks,
+                  "of --weights refine and 8/1: integer cell field of marks, -1 may be coarsened, 0 keep, 1 split");
+  marks.show_default();
+  auto quality_control = line.option("--quality-control", options.quality_control,
+                                     "of --weights refine: the refinement that is predicted");
+  quality_control.one_of(refine::quality_control_list()).show_default();
+  auto floor = line.option("--shape-floor", options.shape_floor, "the same option of that refinement");
+  floor.type_name("TAU").range(0.0, 1.0).show_default();
   line.option("--format", options.format, cli::format_help).range(io::oldest_format, io::newest_format).show_default();
   line.flag("--force", options.force, cli::force_help);
+  line.after_reading([=, &options] {
+    const bool predicts = options.weights == "refine";
+    cli::CommandLine::refuse_ignored(marks, predicts || options.weights == "8/1", "--weights refine or 8/1");
+    cli::CommandLine::refuse_ignored(quality_control, predicts, "--weights refine");
+    cli::CommandLine::refuse_ignored(floor, predicts, "--weights refine");
+    cli::CommandLine::refuse_ignored(floor, options.quality_control == "removable", "--quality-control removable");
+    options.asks_marks = marks.is_given();
+  });
 }
 
-std::vector<std::int64_t> weigh(const par::Comm& comm, const mesh::DistMesh& mesh, const Options& options) {
-  if (options.weights == "refine" && mesh.find_cell_field(options.marks) != nullptr) {
+/// A mesh without marks that are not asked for has cells of one weight.
+std::string weights_of(const mesh::DistMesh& mesh, const Options& options) {
+  const bool has_none =
+      options.weights == "refine" && !options.asks_marks && mesh.find_cell_field(options.marks) == nullptr;
+  return has_none ? "uniform" : options.weights;
+}
+
+/// `weights`: as `weights_of` gives them. Collective.
+std::vector<std::int64_t> weigh(const par::Comm& comm, const mesh::DistMesh& mesh, const Options& options,
+                                const std::string& weights) {
+  if (weights == "refine") {
     refine::Options refinement;
     refinement.quality_control = refine::quality_control_named(options.quality_control);
     refinement.shape_floor = options.shape_floor;
@@ -76,15 +92,14 @@ std::vector<std::int64_t> weigh(const par::Comm& comm, const mesh::DistMesh& mes
     const auto children = adapt::Forecaster(comm, mesh, refinement).forecast(flags).children;
     return {children.begin(), children.end()};
   }
-  if (options.weights == "8/1") {
+  if (weights == "8/1") {
     const auto flags = adapt::splits_of(adapt::signed_flags_from_field(comm, mesh, options.marks));
     std::vector<std::int64_t> weight(flags.size());
     std::transform(flags.begin(), flags.end(), weight.begin(), [](std::uint8_t flag) { return flag != 0 ? 8 : 1; });
     return weight;
   }
-  if (options.weights == "refine" || options.weights == "uniform")
-    return std::vector<std::int64_t>(at(mesh.n_cells()), 1);
-  return balance::weights_from_field(comm, mesh, options.weights);
+  if (weights == "uniform") return std::vector<std::int64_t>(at(mesh.n_cells()), 1);
+  return balance::weights_from_field(comm, mesh, weights);
 }
 
 /// Writes (replaces) the cell field `rank`.
@@ -108,7 +123,8 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
     mesh::require_replaceable(comm, mesh,
                               {rank_field, "the numbers of the parts", 0, std::numeric_limits<Rank>::max()});
   });
-  const auto weight = with_file_name(options.input, [&] { return weigh(comm, mesh, options); });
+  const auto weights = weights_of(mesh, options);
+  const auto weight = with_file_name(options.input, [&] { return weigh(comm, mesh, options, weights); });
   const auto method = balance::method_named(options.method);
   if (const auto line = balance::what_stands_in(method); !line.empty()) session.note(line);
   session.step(fmt::format("dividing {} cells into {} parts", mesh.info.n_global_cells, options.n_parts));
@@ -126,7 +142,7 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
   session.write_report({{"cells", mesh.info.n_global_cells},
                         {"parts", options.n_parts},
                         {"method", balance::name_of(options.n_parts == 1 ? balance::Method::none : partition.method)},
-                        {"weights", options.weights},
+                        {"weights", weights},
                         {"edge_cut", after.edge_cut},
                         {"edge_cut_before", before.edge_cut},
                         {"imbalance_before", before.imbalance},

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
-#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -22,6 +21,7 @@
 #include "solvers/poisson_boltzmann/fem/sheets.hpp"
 #include "solvers/poisson_boltzmann/fem/spread_cells.hpp"
 #include "solvers/poisson_boltzmann/problem/case_names.hpp"
+#include "solvers/poisson_boltzmann/problem/petsc_options.hpp"
 #include "solvers/poisson_boltzmann/report/electrode_file.hpp"
 #include "solvers/poisson_boltzmann/report/level_plot.hpp"
 #include "solvers/poisson_boltzmann/report/pb_report.hpp"
@@ -47,7 +47,7 @@ void declare(cli::CommandLine& line, Options& o) {
   line.option("--start", o.start, "nodal field of the mesh to start from: a potential, as a coarser level left it")
       .type_name("FIELD");
   line.option("--surface", o.surface, "write the boundary with potential, charge density and stress, for ParaView")
-      .type_name("FILE.vtu");
+      .file_ending(".vtu");
   line.option("--petsc", o.petsc, "options for PETSc, after those of the case: \"-pc_type hypre -ksp_monitor\"")
       .type_name("OPTIONS");
   line.option("--balance", o.balance, "how the cells, and with them the unknowns, are spread over the ranks")
@@ -63,8 +63,8 @@ void declare(cli::CommandLine& line, Options& o) {
   line.option("--tolerance", o.tolerance,
               "with --levels: end where the error bar of every goal is at most this part of its value")
       .positive();
-  line.option("--history", o.history, "values, error bars and cells of each level").type_name("FILE.csv");
-  line.option("--plot", o.plot, "the same as a picture: values with error bars over cells").type_name("FILE.svg");
+  line.option("--history", o.history, "values, error bars and cells of each level").file_ending(".csv");
+  line.option("--plot", o.plot, "the same as a picture: values with error bars over cells").file_ending(".svg");
   line.option(
           "--max-cells", o.max_cells,
           "cells of the largest mesh that you would make: with --levels that is made, and no charge is given where its "
@@ -242,13 +242,13 @@ cli::ExitCode run(cli::Session& session, const Options& o) {
   session.check_native_output(o.output, o.force);
   for (const auto& file : {o.surface, o.history, o.plot})
     if (!file.empty()) session.check_output(file, o.force);
-  if (!o.plot.empty() && std::filesystem::path(o.plot).extension() != ".svg")
-    throw Error(fmt::format("--plot: expected a file that ends in .svg, found \"{}\"", o.plot));
   StepTimer timer;
   const auto stated = pb::read_case(text, o.case_file);
   if (o.tolerance > 0 && (o.levels == 0 || stated.estimator.goals.empty()))
     throw Error(fmt::format("--tolerance: expected {}, found none",
                             o.levels == 0 ? "--levels" : "a goal in [estimator] of the case, which has an error bar"));
+  if (const auto word = pb::find_stray_word(o.petsc); !word.empty())
+    throw Error(fmt::format("--petsc: expected options, each with one value at most, found '{}'", word));
   const pb::PetscRuntime petsc(session.comm(), stated.solver.petsc + " " + o.petsc);
   auto [mesh, input] = read_inputs(session, o, stated);
   timer.lap("read");

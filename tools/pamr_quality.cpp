@@ -11,12 +11,14 @@
 #include "cli/run_tool.hpp"
 #include "pamr/assemble/assemble.hpp"
 #include "pamr/base/error.hpp"
+#include "pamr/base/with_file_name.hpp"
 #include "pamr/check/extract.hpp"
 #include "pamr/check/gate.hpp"
 #include "pamr/check/mesh_view.hpp"
 #include "pamr/check/quality_report.hpp"
 #include "pamr/check/report_text.hpp"
 #include "pamr/io/native/native_file.hpp"
+#include "pamr/validate/validate.hpp"
 #include "report/html_report.hpp"
 
 namespace {
@@ -37,9 +39,9 @@ void declare(cli::CommandLine& line, Options& options) {
               "NAME:min:V or NAME:max:V, exit 1 unless the number keeps the bound; NAME is a path in the report, "
               "such as mean_ratio.min, inverted_cells, patches.sphere.worst_distance")
       .one_at_a_time();
-  line.option("--csv", options.csv, "write the numbers here, a line a mesh").type_name("FILE");
+  line.option("--csv", options.csv, "write the numbers here, a line a mesh").file_ending(".csv");
   line.option("--html", options.html, "write a page here that shows the meshes; any browser opens it without network")
-      .type_name("FILE");
+      .file_ending(".html");
   line.option("--worst", options.worst, "write the N cells of lowest mean ratio as a mesh").positive();
   line.option("--worst-out", options.worst_out, "that mesh (.hdf)").type_name("FILE");
   line.option("--off-surface", options.tolerance,
@@ -90,6 +92,7 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
     session.step("reading " + file);
     const auto mesh =
         assemble::assemble(comm, io::read_native(comm, file, {.turn_inverted = false, .remark = session.remarks()}));
+    validate::require_size(comm, mesh, file);
     session.step(fmt::format("measuring {}, {} cells", file, mesh.info.n_global_cells));
     reports.push_back({file, check::report_quality(comm, mesh, {options.tolerance})});
     if (!options.html.empty()) {
@@ -101,7 +104,7 @@ cli::ExitCode run(cli::Session& session, const Options& options) {
     complaints.insert(complaints.end(), faults.begin(), faults.end());
     const auto numbers = check::numbers_of(check::to_json(reports.back().report));
     for (const auto& gate : gates)
-      if (const auto reason = check::why_failed(gate, numbers); !reason.empty())
+      if (const auto reason = with_file_name(file, [&] { return check::why_failed(gate, numbers); }); !reason.empty())
         complaints.push_back(file + ": " + reason);
     if (options.worst > 0)
       io::write_native(comm, options.worst_out,

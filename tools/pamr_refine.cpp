@@ -19,6 +19,7 @@
 #include "pamr/adapt/level0.hpp"
 #include "pamr/adapt/read_for_refinement.hpp"
 #include "pamr/adapt/refine_report.hpp"
+#include "pamr/balance/weights.hpp"
 #include "pamr/base/counted.hpp"
 #include "pamr/base/version.hpp"
 #include "pamr/base/with_file_name.hpp"
@@ -34,6 +35,7 @@
 #include "pamr/mesh/require_field.hpp"
 #include "pamr/refine/cell_shape.hpp"
 #include "pamr/refine/diagonal.hpp"
+#include "pamr/refine/integrals.hpp"
 
 namespace {
 
@@ -60,24 +62,22 @@ void declare(cli::CommandLine& line, Options& options) {
   line.option("--quality-control", options.quality_control, "what happens to a closure cell that has to be refined")
       .one_of(refine::quality_control_list())
       .show_default();
-  line.option("--shape-floor", options.shape_floor,
-              "of removable: smallest mean ratio of closure cells, as far as 1:8 reaches it; 0: none")
-      .type_name("TAU")
-      .range(0.0, 1.0)
-      .show_default();
-  line.option("--bend", options.bend,
-              "inner edges of level 0 that may bend for better shapes, when it is split for the first time")
-      .one_of(refine::bend_list())
-      .show_default();
-  line.flag("--no-project", options.no_project, "leave new boundary nodes in the middle of their edges");
+  auto floor = line.option("--shape-floor", options.shape_floor,
+                           "of removable: smallest mean ratio of closure cells, as far as 1:8 reaches it; 0: none");
+  floor.type_name("TAU").range(0.0, 1.0).show_default();
+  auto bend =
+      line.option("--bend", options.bend,
+                  "inner edges of level 0 that may bend for better shapes, when it is split for the first time");
+  bend.one_of(refine::bend_list()).show_default();
+  bend.excludes(line.flag("--no-project", options.no_project, "leave new boundary nodes in the middle of their edges"));
   line.group("Ranks and order", "mpirun -n 4 pamr-refine marked.hdf -o fine.hdf --balance scotch --order keep");
   line.option("--balance", options.balance, "how cells are spread over the ranks before they are split")
       .one_of({"auto", "scotch", "curve", "blocks", "none"})
       .show_default();
-  line.option("--weights", options.weights,
-              "what a cell weighs then: the exact number of cells that it becomes, 8 where marked, 1, or a cell field")
-      .type_name("exact|8/1|uniform|FIELD")
-      .show_default();
+  auto weights = line.option(
+      "--weights", options.weights,
+      "what a cell weighs then: the exact number of cells that it becomes, 8 where marked, 1, or a cell field");
+  weights.type_name("exact|8/1|uniform|FIELD").show_default();
   line.option("--order", options.order, "put cells and nodes along a space-filling curve first (auto: where it pays)")
       .one_of({"auto", "keep", "curve"})
       .show_default();
@@ -88,8 +88,11 @@ void declare(cli::CommandLine& line, Options& options) {
   auto dry_run = line.flag("--dry-run", options.dry_run, "print the exact size of the result, split nothing");
   line.flag("--floors", options.floors, "with --dry-run: the size under other shape floors as well");
   line.option("--format", options.format, cli::format_help).range(io::oldest_format, io::newest_format).show_default();
-  line.flag("--each-rank", options.each_rank, "the report lists every rank's share of each step too");
-  line.after_reading([output, dry_run, &options] {
+  auto each_rank = line.flag("--each-rank", options.each_rank, "the report lists every rank's share of each step too");
+  each_rank.excludes(dry_run);
+  line.after_reading([=, &options] {
+    cli::CommandLine::refuse_ignored(weights, options.balance != "none", "--balance");
+    cli::CommandLine::refuse_ignored(floor, options.quality_control == "removable", "--quality-control removable");
     if (options.floors && !dry_run.is_given()) cli::CommandLine::refuse_without("--dry-run (beside --floors)");
     if (!output.is_given() && !dry_run.is_given()) cli::CommandLine::refuse_without("--output (or --dry-run)");
   });
@@ -204,7 +207,7 @@ cli::ExitCode report_forecast(cli::Session& session, const mesh::DistMesh& input
   const double nodes_per_cell = static_cast<double>(nodes) / static_cast<double>(forecast.cells);
   const double here = static_cast<double>(peak_resident_bytes()) + 40.0 * static_cast<double>(mesh.n_cells()) +
                       static_cast<double>(forecast.cells_on_this_rank) * (48 + 32 * nodes_per_cell);
-  const auto largest = comm.max(here);
+  const auto largest = comm.max(static_cast<std::int64_t>(here));
   nlohmann::json report{{"cells_in", mesh.info.n_global_cells},
                         {"nodes_in", mesh.info.n_global_nodes},
                         {"marked", marked},
@@ -240,7 +243,7 @@ cli::ExitCode report_forecast(cli::Session& session, const mesh::DistMesh& input
                               coarsens ? fmt::format("{} cells", mesh.info.n_global_cells)
                                        : fmt::format("{} of {} cells", marked, mesh.info.n_global_cells),
                               coarsens ? fmt::format("({})", marked_text(marked, forecast.coarsening)) : "marked",
-                              forecast.cells, nodes, 1e-6 * largest, shapes));
+                              forecast.cells, nodes, 1e-6 * static_cast<double>(largest), shapes));
   return cli::ExitCode::done;
 }
 
@@ -276,6 +279,13 @@ std::vector<std::int8_t> read_flags(const par::Comm& comm, const mesh::DistMesh&
   return adapt::signed_flags_from_field(comm, mesh, options.marks);
 }
 
+/// The fields that the refinement would ask for. Collective.
+void require_named_fields(const par::Comm& comm, const mesh::DistMesh& mesh, const refine::Options& options,
+                          const adapt::Balancing& balancing) {
+  refine::require_integrals(comm, mesh, options.integrals);
+  if (balancing.weights == adapt::Weights::field) balance::weights_from_field(comm, mesh, balancing.field);
+}
+
 /// Adapts the mesh; notes and warnings about the map of level 0 come first. Collective.
 adapt::Result adapt_telling(const cli::Session& session, mesh::DistMesh mesh, std::span<const std::int8_t> flags,
                             adapt::Options options, StepTimer& timer) {
@@ -288,8 +298,9 @@ adapt::Result adapt_telling(const cli::Session& session, mesh::DistMesh mesh, st
 
 cli::ExitCode work(cli::Session& session, const Options& options) {
   const auto& comm = session.comm();
+  if (options.each_rank && !session.wants_report()) throw Error("--each-rank: expected --json beside it, found none");
   session.check_input(options.input);
-  if (!options.dry_run) session.check_native_output(options.output, options.force);
+  if (!options.dry_run || !options.output.empty()) session.check_native_output(options.output, options.force);
 
   StepTimer timer([&] { return comm.traffic(); });
   const auto read_before = adapt::bytes_read_so_far();
@@ -314,7 +325,10 @@ cli::ExitCode work(cli::Session& session, const Options& options) {
                             .marks_field = options.marks,
                             .integrals = options.integrals};
   session.step(fmt::format("refining {} cells", mesh.info.n_global_cells));
-  if (options.dry_run) return report_forecast(session, mesh, flags, how, options.floors);
+  if (options.dry_run) {
+    with_file_name(options.input, [&] { require_named_fields(comm, mesh, how, balancing); });
+    return report_forecast(session, mesh, flags, how, options.floors);
+  }
   if (!options.no_project) tools::keep_flat_patches(session, mesh);
 
   const auto walls_before = options.no_project ? check::WallShapes() : check::wall_shapes(comm, mesh, 0);

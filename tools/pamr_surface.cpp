@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <string>
 #include <utility>
 #include <vector>
@@ -219,12 +220,13 @@ Outcome smooth(const Options& options, const Triangulation& surface) {
   return outcome;
 }
 
+constexpr double max_triangles = 1e8;  ///< that a command makes
+
 Outcome subdivide(const Options& options, const Triangulation& surface) {
   using Scheme = surface_mesh::SubdivisionScheme;
   const auto scheme = options.scheme == "loop"        ? Scheme::loop
                       : options.scheme == "butterfly" ? Scheme::butterfly
                                                       : Scheme::midpoint;
-  constexpr double max_triangles = 1e8;
   if (static_cast<double>(surface.triangles.size()) * std::pow(4.0, options.subdivisions) > max_triangles)
     throw Error(fmt::format("subdivide: expected at most {:.0g} triangles, found {} to split {} times", max_triangles,
                             surface.triangles.size(), options.subdivisions));
@@ -241,6 +243,12 @@ Outcome subdivide(const Options& options, const Triangulation& surface) {
 Outcome remesh(const Options& options, const Triangulation& surface) {
   auto how = options.remesh;
   how.feature_angle = options.feature_angle;
+  const double area = surface_mesh::describe(surface, {.find_self_intersections = false, .find_deviation = false}).area;
+  const double n_triangles = area / (0.25 * std::numbers::sqrt3 * how.size * how.size);  // of equal sides
+  if (!(n_triangles < max_triangles))
+    throw Error(
+        fmt::format("remesh: expected a --size of fewer than {:.0g} triangles, found {:g}, which makes some {:.2g}",
+                    max_triangles, how.size, n_triangles));
   auto done = surface_mesh::remesh(surface, how);
   const auto one = surface_mesh::distance_from_to(surface, done.surface),
              other = surface_mesh::distance_from_to(done.surface, surface);

@@ -116,7 +116,7 @@ std::shared_ptr<ShownField> show_field(const std::shared_ptr<PythonMesh>& mesh, 
 }
 
 void put_field(PythonMesh& mesh, bool on_cells, mesh::Field field) {
-  mesh::require_level0_shape(field, on_cells);
+  mesh::require_level0_field(field, on_cells, mesh.mesh.info.level0 != nullptr);
   if (on_cells) mesh::require_inner_patches(field, mesh.mesh.info.patches.size());
   auto& fields = fields_of(mesh, on_cells);
   const auto old = find(fields, field.name);

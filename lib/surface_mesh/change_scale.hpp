@@ -8,9 +8,10 @@
 
 namespace pamr::surface_mesh {
 
-/// Multiplies all coordinates.
+/// Multiplies all coordinates. Throws `Error` where they leave the range of coordinates, or corners of a triangle come
+/// to one place.
 void scale(geometry::Triangulation& surface, double factor);
-/// Adds a vector to all points. Throws `Error` unless it is finite.
+/// Adds a vector to all points. Throws `Error` as `scale` does.
 void translate(geometry::Triangulation& surface, geometry::Vec3 by);
 
 /// Meters of a unit of length: "nm", "um", "mm", "cm", "dm", "m", "km", "in" or "ft". Throws `Error` for others.

@@ -97,9 +97,9 @@ def test_names_of_the_map_of_level_0_are_for_its_own_fields():
 
     def set_field(fields, name, values):
         fields[name] = values
-    expect("field 'level0_cell': expected another name",
-           lambda: set_field(mesh.cell_fields, "level0_cell", np.zeros(len(mesh.cells))))
-    expect("or 8 integers, found 1 integers", lambda: set_field(mesh.node_fields, "level0_key", np.zeros(len(mesh.points), int)))
+    for fields, n in ((mesh.cell_fields, len(mesh.cells)), (mesh.node_fields, len(mesh.points))):
+        for name, values in (("level0_cell", np.zeros(n, int)), ("level0_key", np.zeros((n, 8), int))):
+            expect(f"field '{name}': expected another name", lambda: set_field(fields, name, values))
     assert not len(mesh.cell_fields) and not len(mesh.node_fields)
 
 

@@ -579,6 +579,8 @@ points = [5, 11]
         'pamr-dsmc: warning: [[line]] "outside" has no rows: no part of it lies in the gas or on a wall'], warnings
     compute(case, "cube.hdf", "b.hdf", "--lines", "b.csv", "--quiet", ranks=1)
     assert same_bytes("a.csv", "b.csv")
+    for case_of, name, says in ((case, "c.vtu", "ends in .csv"), (write("plain.toml", CUBE), "c.csv", "[[station]], [[line]] or [[plane]]")):
+        refuses("pamr-dsmc", case_of, "--mesh", "cube.hdf", "-o", "c.hdf", "--lines", name, says=["--lines", says], creates=name)
     rows = list(csv.DictReader(open("a.csv")))
     line = [row for row in rows if row["name"] == "across" and row["quantity"] == "n"]
     assert [float(row["s"]) for row in line] == [0, 0.2, 0.4, 0.6, 0.8]

@@ -79,9 +79,9 @@ def test_tools_that_look_at_a_mesh_and_write_it():
     refuse_all_pairs(["pamr-refine", "mesh.hdf"], ["mesh.hdf"], both)
     refuse_all_pairs(["pamr-partition", "mesh.hdf", "-p", 2], ["mesh.hdf"], both)
     refuse_all_pairs(["pamr-quality", "mesh.hdf", "level0.hdf"], ["mesh.hdf", "level0.hdf"],
-                     {"--csv": None, "--html": None, "--json": None})
+                     {"--csv": ".csv", "--html": ".html", "--json": None})
     refuse_all_pairs(["pamr-quality", "mesh.hdf", "--worst", 3], ["mesh.hdf"],
-                     {"--worst-out": ".hdf", "--csv": None, "--html": None, "--json": None})
+                     {"--worst-out": ".hdf", "--csv": ".csv", "--html": ".html", "--json": None})
     files = snapshot()
     refuses("pamr-diff", "mesh.hdf", "level0.hdf", "--json", "./level0.hdf", says=["same file as the input level0.hdf"])
     assert snapshot() == files
@@ -115,7 +115,7 @@ def test_the_potential():
     sides = "".join(f'[boundary.{side}]\nkind = "symmetry"\n' for side in ("xmin", "xmax", "ymin", "ymax", "zmax"))
     write("case", '[boundary.zmin]\nkind = "potential"\nvalue = 1.0\n' + sides + SURFACE)
     refuse_all_pairs(["pamr-pb", "case", "--mesh", "mesh.hdf"], ["case", "mesh.hdf", "body.stl"],
-                     {"-o": ".hdf", "--surface": None, "--json": None})
+                     {"-o": ".hdf", "--surface": ".vtu", "--json": None})
 
 
 def test_converted_meshes_with_surfaces_and_fields():
@@ -186,7 +186,7 @@ def compute(*more, mesh="mesh.hdf"):
     return ["pamr-dsmc", "case", "--mesh", mesh, *more]
 
 
-GAS_OUTPUTS = {"-o": ".hdf", "--checkpoint": None, "--surface": None, "--lines": None, "--history": None, "--json": None}
+GAS_OUTPUTS = {"-o": ".hdf", "--checkpoint": None, "--surface": ".vtu", "--lines": ".csv", "--history": ".csv", "--json": None}
 
 
 def prepare_gas():
@@ -225,7 +225,7 @@ def test_files_of_a_series_are_outputs():
                     compute("-o", "x.hdf", "--series", "w", "--json", "w-0000005.hdf"),
                     compute("-o", "x.hdf", "--checkpoint", "./c", mesh="c-15.hdf"),
                     compute("-o", "c-5.hdf", "--checkpoint", "c"),
-                    compute("-o", "x.hdf", "--checkpoint", "c", "--lines", "./c-10.hdf"),
+                    compute("-o", "x.hdf", "--checkpoint", "c", "--json", "./c-10.hdf"),
                     compute("-o", "x.hdf", "--checkpoint", "c", "--series", "./c")):
         files = snapshot()
         refuses(*command, "--force", says=["expected an output of its own"])

@@ -137,6 +137,7 @@ def test_fields_travel_with_medit_meshes():
         assert list(file["VTKHDF/PointData"]) == ["sol_1"]
     refuses("pamr-convert", "fine.hdf", "n.mesh", "--sol-out", "n.sol", "--sol-fields", "nothing", says=["'nothing'"])
     refuses("pamr-convert", "fine.hdf", "n.su2", "--sol-out", "n.sol", says=["--sol-out", ".mesh"], creates="n.su2")
+    refuses("pamr-convert", "fine.hdf", "n.mesh", "--sol-out", "n.sol", "--sol-fields", "t,t", says=["found 't' twice"], creates="n.sol")
     refuses("pamr-convert", "a.mesh", "n.hdf", "--sol-in", "a.sol", "--sol-fields", "t", says=["1 fields", "found 3"])
     run("pamr-convert", "cube.hdf", "cube.mesh", "--quiet")
     refuses("pamr-convert", "cube.mesh", "n.hdf", "--sol-in", "a.sol", says=["a.sol", "vertices of the mesh"],
@@ -283,6 +284,11 @@ def test_numbers_that_no_reader_takes_are_refused():
     with h5py.File("cube.hdf", "r+") as file:
         file["VTKHDF/Points"][3] = (0, 0, 1e31)
     assert "below 1e30" in run("pamr-quality", "cube.hdf", code=2).err
+    kuhn_cube("small.hdf", 2)  # whose shapes would underflow
+    with h5py.File("small.hdf", "r+") as file:
+        file["VTKHDF/Points"][:] *= 1e-42
+        del file["PAMR/checksums"].attrs["VTKHDF/Points"]
+    refuses("pamr-quality", "small.hdf", says=["small.hdf", "larger than 1e-30", "1e-42"])
 
 
 def test_kinds_and_units_are_given_on_the_command_line():
@@ -322,7 +328,7 @@ def test_kinds_and_units_are_given_on_the_command_line():
     wall = run("pamr-quality", "twice.hdf", "--json", "-").json["patches"]["sphere"]
     before = run("pamr-quality", "s.hdf", "--json", "-").json["patches"]["sphere"]
     assert wall["surface"] == before["surface"] and wall["off_surface_nodes"] == 0 and wall["area"] == 4 * before["area"]
-    run("pamr-convert", "s.hdf", "s.mesh", "--scale", "2", "--quiet")
+    assert "surfaces of 1 patch" in run("pamr-convert", "s.hdf", "s.mesh", "--scale", "2").err
     with h5py.File("s.hdf") as file:
         assert np.array_equal(meshio.read("s.mesh").points, 2 * file["VTKHDF/Points"][:])
 

@@ -204,6 +204,9 @@ def test_what_lies_beside_the_mesh_of_a_case_is_noted():
 def test_options_that_would_do_nothing_are_refused():
     kuhn_cube("cube.hdf", 1)
     pathlib.Path("plane.toml").write_text('[[surface]]\nname = "xmin"\nkind = "plane"\npoint = [0, 0, 0]\nnormal = [1, 0, 0]\n')
+    refuses("pamr-convert", "cube.hdf", "n.hdf", "--patch", "xmin", says=["--patch: expected --surface beside it"], creates="n.hdf")
+    refuses("pamr-convert", "cube.hdf", "n.hdf", "--repair", "--strict", says=["--repair or --strict"], creates="n.hdf")
+    refuses("pamr-convert", "cube.msh", "n.hdf", "--as-level-0", says=["--as-level-0: expected a native mesh"], creates="n.hdf")
     refuses("pamr-convert", "cube.hdf", "cube.msh", "--tolerance", "1e-3", says=["--tolerance: expected --surface, --surfaces, --cad"], creates="cube.msh")
     for option in (["--kind", "xmin=wall"], ["--surfaces", "plane.toml"]):
         refuses("pamr-convert", "cube.hdf", "cube.stl", *option, says=[f"{option[0]}: expected a mesh to write, found a boundary"], creates="cube.stl")

@@ -143,7 +143,7 @@ def test_levels_limit_the_marks():
 def test_marks_are_replaced_and_other_fields_kept():
     kuhn_cube("a.hdf", 2)
     add_cell_field("a.hdf", "refine", np.arange(48, dtype=np.int8) % 3 - 1)  # marks of a solver of one's own
-    add_cell_field("a.hdf", "refine_work", np.arange(48))
+    add_cell_field("a.hdf", "refine_work", np.arange(48, dtype=np.uint8))
     add_cell_field("a.hdf", "rho", np.arange(48) / 3)
     found, _ = mark("a.hdf", "--all")
     assert (found == 1).all()
@@ -160,8 +160,8 @@ def test_marks_do_not_replace_data():
             ("n", np.arange(48) // 40 * 7, "expected integers from -1 to 1, found 7 in cell 40", ()),
             ("region", np.zeros(48, int), "found the regions of the mesh", ()),
             ("m_work", np.arange(48.0), "expected integers from 0 to 255, found reals", ()),
-            ("w_work", np.arange(48) - 1, "expected integers from 0 to 255, found -1 in cell 0", ()),
-            ("i_idle", np.arange(48) + 250, "expected integers from 0 to 255, found 256 in cell 6", idle)):
+            ("w_work", np.arange(48), "expected integers from 0 to 255, found integers of another type", ()),
+            ("i_idle", np.arange(48), "expected integers from 0 to 255, found integers of another type", idle)):
         add_cell_field("a.hdf", field, values)
         name = field.split("_")[0]
         before = pathlib.Path("a.hdf").read_bytes()
@@ -173,7 +173,7 @@ def test_marks_do_not_replace_data():
         assert (marks("out.hdf", name) == 1).all()
         with h5py.File("out.hdf") as file:
             assert (file["VTKHDF/CellData/e"][:] == np.arange(48)).all()
-            assert (file["VTKHDF/CellData/i_idle"][:] == np.arange(48) + 250).all()
+            assert (file["VTKHDF/CellData/i_idle"][:] == np.arange(48)).all()
 
 
 def test_places_that_hold_no_cell_are_reported():
@@ -214,7 +214,7 @@ def test_work_shares_the_cells_out_and_decides_nothing():
     kuhn_cube("a.hdf", 5)
     work, _ = work_and_children("--crossing-sphere", "0.1,0.2,0.3,0.47")
     random = np.random.default_rng(3)
-    for nonsense in (None, np.full(len(work), -7), random.integers(-2**62, 2**62, len(work))):
+    for nonsense in (None, np.zeros(len(work), np.uint8), random.integers(0, 256, len(work), np.uint8)):
         with h5py.File("marked.hdf", "r+") as file:
             fields = file["VTKHDF/CellData"]
             fields.pop("refine_work", None)
@@ -223,6 +223,40 @@ def test_work_shares_the_cells_out_and_decides_nothing():
                 fields["refine_work"] = nonsense
         run("pamr-refine", "marked.hdf", "-o", "other.hdf", "--quiet", "--force")
         assert same_bytes("fine.hdf", "other.hdf")
+    with h5py.File("marked.hdf", "r+") as file:  # a field of the user: of another type
+        del file["VTKHDF/CellData/refine_work"], file["PAMR/checksums"].attrs["VTKHDF/CellData/refine_work"]
+        file["VTKHDF/CellData/refine_work"] = np.arange(len(work))
+    run("pamr-refine", "marked.hdf", "-o", "other.hdf", "--quiet", "--force")
+    with h5py.File("other.hdf") as file:
+        assert (file["VTKHDF/CellData/refine_work"][:] == file["VTKHDF/CellData/parent"][:]).all()
+
+
+def test_limits_that_are_not_kept_are_reported():
+    kuhn_cube("a.hdf", 4)
+    points, cells = arrays("a.hdf")
+    add_cell_field("a.hdf", "x", points[cells].mean(axis=1)[:, 0])
+
+    def warned(mesh, *criteria):
+        result = run("pamr-mark", mesh, "-o", "marked.hdf", "--force", "--json", "-", *criteria)
+        run("pamr-refine", "marked.hdf", "-o", "finer.hdf", "--force", "--quiet")
+        with h5py.File("finer.hdf") as file:
+            assert len(file["PAMR/cell_to_cell"]) == result.json["cells_after"]
+        return result.json, result.err
+
+    high = ("--field", "x", "--above", "0.6", "--coarsen-below", "0.3")
+    report, said = warned("a.hdf", *high, "--max-cells", 300)  # level 0 cannot be coarsened
+    assert report["marked"] == 0 and report["cells_after"] == 384 and "384 cells" in said and "--max-cells 300" in said
+    report, said = warned("a.hdf", *high, "--max-cells", 10**6, "--fill")
+    assert report["cells_after"] == 8 * 384 and "--fill: 3072 cells" in said
+    run("pamr-mark", "a.hdf", "-o", "all.hdf", "--all", "--quiet")
+    run("pamr-refine", "all.hdf", "-o", "fine.hdf", "--quiet")
+    # a criterion without a value is limited too
+    report, said = warned("fine.hdf", *high, "--box", "0,0,0,1,1,1", "--max-cells", 4000)
+    assert 3072 <= report["cells_after"] <= 4000 and report["marked"] > 0 and not said
+    report, said = warned("fine.hdf", *high, "--max-cells", 100)
+    assert report["marked"] == 0 and report["cells_after"] == 384 and "more than --max-cells 100" in said
+    report, said = warned("fine.hdf", "--field", "x", "--above", "2", "--coarsen-rest", "--keep-for", 2)
+    assert report["may_go"] == 0 and not said  # they wait
 
 
 def test_bad_input_is_refused():
@@ -239,7 +273,14 @@ def test_bad_input_is_refused():
     refuses("pamr-mark", "a.hdf", *out, "--all", "--max-level", "-1", says=["--max-level"], creates="out.hdf")
     refuses("pamr-mark", "a.hdf", *out, "--crossing-sphere", "0,0,1", says=["X,Y,Z,R"], creates="out.hdf")
     refuses("pamr-mark", "a.hdf", *out, "--round", says=["--round"], creates="out.hdf")
-    for taken in ("region", "level"):
+    for option, beside in (("--min-level", "--coarsen-below"), ("--keep-for", "--coarsen-rest"), ("--size", "--size-over")):
+        refuses("pamr-mark", "a.hdf", *out, "--all", option, "cbrt" if option == "--size" else "1", says=[option, beside],
+                creates="out.hdf")
+    refuses("pamr-mark", "a.hdf", *out, "--all", "--max-level", "1", "--max-level", "2", says=["found it 2 times"], creates="out.hdf")
+    refuses("pamr-mark", "a.hdf", *out, "--centroid-shell", "0,0,0,1,-0.1", says=["width", "-0.1"], creates="out.hdf")
+    refuses("pamr-mark", "a.hdf", *out, "--all", "--quality-control", "none", "--shape-floor", "0.3",
+            says=["--shape-floor: expected --quality-control removable beside it"], creates="out.hdf")
+    for taken in ("region", "level", "level0_cell", "level0_key"):
         refuses("pamr-mark", "a.hdf", *out, "--all", "--marks", taken, says=["--marks", f"'{taken}'"], creates="out.hdf")
     before = pathlib.Path("a.hdf").read_bytes()
     refuses("pamr-mark", "a.hdf", "-o", "a.hdf", "--all", "--force", says=["a.hdf"])

@@ -420,6 +420,7 @@ def test_bad_usage_is_refused():
     for arguments, words in ((["--shape", "cube"], ["kuhn-cube", '"cube"']), ([], ["neither"]),
                              (["--shape", "kuhn-cube"], ["--n"]), (["--shape", "kuhn-cube", "--n", "-1"], ["--n"]),
                              (["--shape", "sphere-in-box", "--n", "3"], ["--n"]),
+                             (["--shape", "sphere-in-box", "--unit", "mm"], ["--unit"]),
                              (["--shape", "sphere-in-box", "--size", "7"], ["0.6", "7"]),
                              (["--shape", "sphere-in-box", "--size", "0.02"], ["4 million cells"]),
                              (["--shape", "blunt-cone", "--size", "nan"], ["nan"]),

@@ -102,7 +102,8 @@ def test_parts_do_not_replace_data():
 
 def test_a_mesh_without_marks_counts_each_cell_once():
     kuhn_cube("a.hdf", 5)
-    assert (partition("a.hdf", 3)[0] == partition("a.hdf", 3, "--weights", "uniform")[0]).all()
+    rank, report = partition("a.hdf", 3)
+    assert report["weights"] == "uniform" and (rank == partition("a.hdf", 3, "--weights", "uniform")[0]).all()
 
 
 def test_a_cell_field_may_weigh():
@@ -178,6 +179,10 @@ def test_bad_input_is_refused_in_one_line():
         if field != "refine":
             refuses("pamr-refine", "a.hdf", "-o", "b.hdf", "--marks", "marks", "--weights", field, says=words,
                     creates="b.hdf")
+    for options, words in ((("--marks", "absent"), ["absent"]),  # asked for, so not uniform
+                           (("--marks", "marks", "--weights", "uniform"), ["--marks", "--weights refine or 8/1"]),
+                           (("--shape-floor", "0.3", "--weights", "8/1"), ["--shape-floor", "--weights refine"])):
+        refuses("pamr-partition", "a.hdf", "-o", "b.hdf", "-p", 2, *options, says=words, creates="b.hdf")
     refuses("pamr-partition", "a.hdf", "-o", "b.hdf", "-p", 0, creates="b.hdf")
     refuses("pamr-partition", "a.hdf", "-o", "b.hdf", creates="b.hdf")
     refuses("pamr-partition", "a.hdf", "-o", "b.hdf", "-p", 2, "--method", "metis", creates="b.hdf")

@@ -156,6 +156,7 @@ def test_levels_end_at_a_tolerance_and_at_a_number_of_cells():
     assert result.json["levels"][-1]["cells"] <= few, (few, result.json["levels"])
     assert "over 1e-06 of its value" in result.err and "is the last" in result.err, result.err
     refuses("pamr-pb", case, "--mesh", "level0.hdf", "-o", "no.hdf", "--plot", "no.png", says=["--plot", ".svg", "no.png"], creates="no.hdf")
+    refuses("pamr-pb", case, "--mesh", "level0.hdf", "-o", "no.hdf", "--surface", "no.vtp", says=["--surface", ".vtu", "no.vtp"], creates="no.hdf")
     refuses("pamr-pb", case, "--mesh", "level0.hdf", "-o", "no.hdf", "--tolerance", "0.1", says=["--tolerance", "--levels"], creates="no.hdf")
     without = pathlib.Path("without.toml")
     without.write_text(pathlib.Path(case).read_text().split("[estimator]")[0] + pathlib.Path(case).read_text().split('"sphere"\n', 1)[1])
@@ -262,8 +263,8 @@ def test_options_reach_petsc():
     assert abs(amg["energy"] - jacobi["energy"]) < 1e-8
     unknown = solve(case, "a.hdf", "--petsc", "-no_such_thing 1")
     assert "-no_such_thing" in unknown.err
-    refuses("pamr-pb", case, "--mesh", "a.hdf", "-o", "out.hdf", "--petsc", "-ksp_type fastest", says=["options"],
-            creates="out.hdf")
+    for options, word in (("-ksp_type fastest", "options"), ("nonsense", "found 'nonsense'"), ("-ksp_rtol 1e-9 -2", "found '-2'")):
+        refuses("pamr-pb", case, "--mesh", "a.hdf", "-o", "out.hdf", "--petsc", options, says=[word], creates="out.hdf")
 
 
 def test_a_case_does_not_make_petsc_read_or_write_files():

@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """pamr-picture: the pictures have their size and show what they should, and wrong input is one clear message."""
+import contextlib
 import json
 import os
 import pathlib
+import re
 import shutil
 import signal
 import stat
@@ -14,7 +16,7 @@ import h5py
 import matplotlib.image
 import numpy as np
 
-from tool_run import BIN, FULL, LIMIT, SHARED, kuhn_cube, of_full_level, once, refuses, run, run_tests
+from tool_run import BIN, FULL, LIMIT, SHARED, add_cell_field, kuhn_cube, of_full_level, once, refuses, run, run_tests
 from tet import FACE_TO_CORNER
 
 
@@ -395,6 +397,8 @@ def test_names_that_are_not_there_are_one_clear_message():
             ([coarse, "--cut", "y=7"], "the mesh has y from 0 to 1"),
             ([coarse, "--streamlines", "x"], "expected a field with 3 components"),
             ([coarse, "--isolines", "3"], "expected a field with numbers"),
+            ([coarse, "--smooth", "3", "--field", "patch"], "expected a field with numbers"),
+            ([coarse, "--edges", "--no-edges"], "--edges or --no-edges"),
             (["missing.hdf"], "found nothing of that name"),
             (["bad.hdf"], "expected a native mesh"),
             (["bad.vtu"], "bad.vtu': expected a file of VTK")):
@@ -428,8 +432,45 @@ def test_a_summary_arrives_or_is_an_error_and_a_replaced_picture_keeps_its_right
         done = subprocess.run([sys.executable, "-c", program], stdout=full, stderr=subprocess.PIPE, text=True, timeout=LIMIT)
     assert done.returncode == 1 and "Refused: standard output: not all that was printed" in done.stderr, done.stderr
     pathlib.Path("a.png").touch(mode=0o600)
+    owner = (1234, 1235) if os.getuid() == 0 else (os.getuid(), os.getgid())
+    os.chown("a.png", *owner)
     picture.write_whole("a.png", b"new")
-    assert pathlib.Path("a.png").read_bytes() == b"new" and stat.S_IMODE(os.stat("a.png").st_mode) == 0o600
+    made = os.stat("a.png")
+    assert pathlib.Path("a.png").read_bytes() == b"new" and stat.S_IMODE(made.st_mode) == 0o600 and (made.st_uid, made.st_gid) == owner
+
+
+def test_temporary_files_have_the_names_of_all_tools():
+    import files
+    coarse, _ = cubes()
+    ours = files.unfinished_name("p.png")
+    assert re.fullmatch(r"p\.png\.[-\w]+-[0-9a-f]{8}-\d+-\d+-\d+\.partial", ours)
+    tail = ours.rsplit("-", 3)[0]  # of this machine
+    dead, alive, another = f"{tail}-{2**22 + 1}-7-0.partial", ours, f"q{tail[1:]}-{2**22 + 1}-7-0.partial"
+    for name in (dead, alive, another, dead.replace("p.png", "m.hdf")):
+        pathlib.Path(name).touch()
+    for command in (["pamr-mesh", "--shape", "kuhn-cube", "--n", 1, "-o", "m.hdf"],  # knows the name that Python has made
+                    ["pamr-picture", coarse, "-o", "p.png"]):
+        with contextlib.suppress(AssertionError):  # of files that are left on purpose
+            run(*command, "--quiet")
+    assert sorted(name for name in os.listdir(".") if name.endswith(".partial")) == sorted([alive, another])
+    for name in (alive, another):
+        os.unlink(name)
+
+
+def test_an_error_after_the_picture_names_it():
+    coarse, _ = cubes()
+    result = run("pamr-picture", coarse, "-o", "p\n.png", "--json", "/dev/full", code=2)
+    assert result.err == "pamr-picture: error: /dev/full: cannot be written: No space left on device; complete: 'p\\n.png'\n", result.err
+
+
+def test_values_without_a_place_on_the_scale_are_counted():
+    kuhn_cube("n.hdf", 2)
+    add_cell_field("n.hdf", "v", np.where(np.arange(48) < 3, (np.nan, np.inf, -np.inf) * 16, np.arange(48.0) - 5))
+    for options, words in (((), ["3 of 48 values are not finite and drawn in gray"]),
+                           (("--log",), ["3 of 48 values are not finite", "3 of 48 values are not above 0"])):
+        said = run("pamr-picture", "n.hdf", "-o", "v.png", "--field", "v", "--force", *options).err
+        assert len(said.splitlines()) == len(words) and all(word in said for word in words), said
+    assert near(pixels("v.png"), (191, 191, 191)) > 500
 
 
 def test_a_report_goes_into_a_pipe_which_stays():

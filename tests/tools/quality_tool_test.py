@@ -195,6 +195,8 @@ def test_bad_input_is_refused():
     pathlib.Path("short.hdf").write_bytes(pathlib.Path("a.hdf").read_bytes()[:9000])
     refuses("pamr-quality", "missing.hdf", says=["missing.hdf"])
     refuses("pamr-quality", "short.hdf", says=["short.hdf"])
+    for name in ("-", "a.hdf"):
+        refuses("pamr-quality", "a.hdf", "--csv", name, says=["--csv", f"ends in .csv, found '{name}'"], creates="-")
     refuses("pamr-quality", "a.hdf", "--csv", "no folder/a.csv", says=["no folder"])
     refuses("pamr-quality", says=["MESH"])
     pathlib.Path("old.csv").write_text("mine")

@@ -234,6 +234,11 @@ def test_bad_input_is_one_clear_message():
     refuses("pamr-surface", "scale", "ball.stl", "-o", "x.off", says=["--factor F or --unit U"], creates="x.off")
     refuses("pamr-surface", "translate", "ball.stl", "-o", "x.off", "--by", "1,2", says=["X,Y,Z"], creates="x.off")
     refuses("pamr-surface", "remesh", "ball.stl", "-o", "x.off", "--size", "-1", says=["--size"], creates="x.off")
+    refuses("pamr-surface", "remesh", "ball.stl", "-o", "x.off", "--size", "1e-6", says=["fewer than 1e+08 triangles"], creates="x.off")
+    for command, option, value, says in (("scale", "--factor", "1e300", "below 1e30"), ("translate", "--by", "1e300,0,0", "below 1e30"),
+                                         ("scale", "--factor", "1e-323", "keep the points apart"),
+                                         ("translate", "--by", "1e20,0,0", "keep the points apart")):
+        refuses("pamr-surface", command, "ball.stl", "-o", "x.off", option, value, says=[says], creates="x.off")
     pathlib.Path("cut.stl").write_bytes(pathlib.Path("ball.stl").read_bytes()[:1000])
     refuses("pamr-surface", "repair", "cut.stl", "-o", "x.off", says=["cut.stl"], creates="x.off")
     pathlib.Path("line.obj").write_text("v 0 0 0\nv 1 0 0\nf 1 2\n")

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <filesystem>
 #include <map>
 #include <optional>
 #include <utility>
@@ -72,6 +73,18 @@ Option& Option::range(double low, double high) {
 
 Option& Option::one_of(const std::vector<std::string>& words) {
   option_->check(CLI::IsMember(words));
+  return *this;
+}
+
+Option& Option::file_ending(const std::string& ending) {
+  option_->type_name("FILE" + ending);
+  option_->check(CLI::Validator(
+      [ending](const std::string& name) -> std::string {
+        const auto found = std::filesystem::path(name).extension();
+        if (name != "-" && (found.empty() || CLI::detail::to_lower(found.string()) == ending)) return {};
+        return fmt::format("expected a name that ends in {}, found '{}'", ending, name);
+      },
+      ""));
   return *this;
 }
 
@@ -168,5 +181,10 @@ CommandLine CommandLine::subcommand(const std::string& name, const std::string& 
 void CommandLine::after_reading(std::function<void()> check) { app_->parse_complete_callback(std::move(check)); }
 
 void CommandLine::refuse_without(const std::string& what) { throw CLI::RequiredError(what); }
+
+void CommandLine::refuse_ignored(const Option& option, bool has_partner, const std::string& partner) {
+  if (option.is_given() && !has_partner)
+    throw CLI::ValidationError(option.option_->get_name(), fmt::format("expected {} beside it, found none", partner));
+}
 
 }  // namespace pamr::cli

@@ -29,6 +29,8 @@ class Option {
   Option& range(int low, int high);
   Option& range(double low, double high);
   Option& one_of(const std::vector<std::string>& words);
+  /// Of a file to write: refuses names with another ending (".csv"); one without any is fine.
+  Option& file_ending(const std::string& ending);
 
   /// May be repeated, with one value each time.
   Option& one_at_a_time();
@@ -78,6 +80,8 @@ class CommandLine {
   void after_reading(std::function<void()> check);
   /// For `check`: ends with the usage error that `what` is required.
   [[noreturn]] static void refuse_without(const std::string& what);
+  /// For `check`: ends with a usage error if the option is given and would be ignored, because `partner` is not there.
+  static void refuse_ignored(const Option& option, bool has_partner, const std::string& partner);
 
  private:
   CLI::App* app_;

@@ -83,6 +83,7 @@ std::string Session::read_case(const std::string& path) {
   std::string text;
   on_first(*comm_, [&] {
     require_readable(path);
+    if (std::filesystem::is_directory(path)) throw Error(path + ": expected a file, found a folder");
     add_input(path);
     auto found = read_file(path);
     if (!found) throw Error(path + ": expected a file that can be read");

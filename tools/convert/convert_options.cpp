@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 
@@ -83,6 +84,9 @@ void check_solutions(const Options& options) {
   check(options.solution_out, options.output, *options.to, "--sol-out");
   if (options.solution_in.empty() && options.solution_out.empty() && !options.solution_fields.empty())
     throw Error("--sol-fields: expected --sol-in or --sol-out beside it, found neither");
+  for (auto name = options.solution_fields.begin(); name != options.solution_fields.end(); ++name)
+    if (std::find(options.solution_fields.begin(), name, *name) != name)
+      throw Error(fmt::format("--sol-fields: expected different names, found '{}' twice", *name));
   if (!options.solution_in.empty() && !options.solution_out.empty())
     throw Error("expected --sol-in or --sol-out, found both");
 }
@@ -211,9 +215,14 @@ std::string check_files(cli::Session& session, const Options& options) {
     throw Error("--surface: expected a mesh to write, found a boundary: " + options.output);
   if (options.split_prisms && options.from->is_native)
     throw Error("--split-prisms: expected a mesh of another program, found '" + options.input + "'");
+  if (options.as_level0 && !options.from->is_native)
+    throw Error("--as-level-0: expected a native mesh, found '" + options.input + "', whose cells are of level 0");
   if (options.repair && options.no_repair) throw Error("expected --repair or --no-repair, found both");
+  if (options.repair && options.strict) throw Error("expected --repair or --strict, which repairs nothing, found both");
   if (options.surfaces.empty() && !options.ties.empty())
     throw Error("--tie: expected --surfaces beside it, found none");
+  if (!as_boundary && options.surface_files.empty() && !options.patches.empty())
+    throw Error("--patch: expected --surface beside it, or a boundary to write, found " + options.output);
   if (!as_boundary && options.surface_files.size() != options.patches.size())
     throw Error(fmt::format("expected a --patch NAME for each --surface FILE, found {} and {}", options.patches.size(),
                             options.surface_files.size()));

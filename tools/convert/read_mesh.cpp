@@ -78,13 +78,12 @@ ReadMesh read_mesh(cli::Session& session, const ReadRequest& request, nlohmann::
 }
 
 void scale_mesh(const par::Comm& comm, mesh::DistMesh& mesh, double factor, bool needs_surfaces) {
-  if (mesh.info.surfaces->size() > 0) {
-    if (needs_surfaces && mesh::has_level0(mesh))
+  if (needs_surfaces && mesh.info.surfaces->size() > 0) {  // else they only count among what is left out
+    if (mesh::has_level0(mesh))
       throw Error(
           "--scale: expected a mesh without a map of level 0, found one (coarse curved walls): scale what the mesh was "
           "made of");
-    mesh.info.surfaces = needs_surfaces ? scaled_surfaces(*mesh.info.surfaces, factor) : geometry::no_surfaces();
-    for (auto& patch : mesh.info.patches) patch.surface = needs_surfaces ? patch.surface : -1;
+    mesh.info.surfaces = scaled_surfaces(*mesh.info.surfaces, factor);
   }
   bool is_in_range = true;
   for (auto& p : mesh.node_position) {

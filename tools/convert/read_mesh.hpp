@@ -28,8 +28,8 @@ struct ReadMesh {
 /// Collective.
 ReadMesh read_mesh(cli::Session& session, const ReadRequest& request, nlohmann::json& report);
 
-/// Multiplies the coordinates. Surfaces would stay as they are: they are dropped if nobody `needs_surfaces`, else
-/// throws `Error`, as for coordinates beyond the range of numbers. Collective.
+/// Multiplies the coordinates and, if somebody `needs_surfaces`, what they are made of; else these stay as they are.
+/// Throws `Error` for surfaces that cannot be scaled, and for coordinates beyond the range of numbers. Collective.
 void scale_mesh(const par::Comm& comm, mesh::DistMesh& mesh, double factor, bool needs_surfaces);
 
 /// Gives patches their kinds: each pair is PATCH=KIND. Throws `Error` for patches that are not there and for kinds that

@@ -198,6 +198,12 @@ def read(arguments, version):
     if o.range and o.range[0] >= o.range[1]:
         raise Refused(f"--range: expected two rising numbers, found {o.range[0]:g} and {o.range[1]:g}")
     o.isolines = isolines(o.isolines)
+    for option, is_given in (("--isolines", o.isolines), ("--range", o.range), ("--log", o.log), ("--scale", o.scale != 1), ("--title", o.title),
+                             ("--map", o.map != palettes.MAPS[0]), ("--smooth", o.smooth is not None)):
+        if is_given and o.field in (None, "patch"):
+            raise Refused(f"{option}: expected a field with numbers (--field), found none")
+    if {"--edges", "--no-edges"} <= set(arguments):
+        raise Refused("expected --edges or --no-edges, found both")
     o.size_is_given = o.size is not None
     o.size = size_of(o.size, len(o.views), len(o.meshes))
     return o

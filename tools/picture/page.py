@@ -41,12 +41,9 @@ class Coloring:
         self.patches = sorted({patch for s in subjects for patch in s.patches})
         self.isolines, self.norm, self.seen, self.classes = (), None, None, None
         if subjects[0].values is None:
-            if wish.isolines or bounds or is_log:
-                raise Refused("--isolines, --range and --log: expected a field with numbers (--field), found none")
             return
         seen = np.concatenate([s.shown_numbers() for s in subjects])
-        if is_log:
-            seen = seen[seen > 0]
+        seen = seen[np.isfinite(seen) & (seen > 0 if is_log else True)]
         if not len(seen):
             raise Refused(f"--field {wish.field}: expected {'positive' if is_log else 'finite'} values to draw, found none")
         self.seen = float(seen.min()), float(seen.max())
@@ -77,7 +74,7 @@ class Coloring:
             at = np.ma.filled(self.norm(numbers).astype(float), np.nan)
             if isinstance(self.norm, matplotlib.colors.LogNorm):
                 at = np.where(numbers <= 0, 0, at)
-        return np.where(np.isnan(at), np.nan, np.clip(at, 0, 1))
+        return np.where(np.isfinite(numbers), np.clip(at, 0, 1), np.nan)
 
     def bytes_of(self, numbers):
         if self.classes is not None:

@@ -124,14 +124,13 @@ class Subject:
                                if data.GetNumberOfPoints()])
 
     def shown_numbers(self):
-        """The finite numbers of what is seen."""
+        """The numbers of what is seen, of each polygon or point."""
         seen = []
         for data, _, _ in self.pieces():
             if data.GetNumberOfCells():
                 seen.append(shapes.array(data.GetPointData(), "value") if self.values.on_nodes
                             else self.values.numbers[shapes.array(data.GetCellData(), "owner")])
-        seen = np.concatenate(seen)
-        return seen[np.isfinite(seen)]
+        return np.concatenate(seen)
 
     def levels(self):
         return self.mesh.level if self.mesh.level is not None else np.zeros(self.mesh.n_rows, int)

@@ -4,64 +4,37 @@ import errno
 import io
 import json
 import os
-import shutil
 import signal
 import sys
 
+import files
+from files import check_input, check_output, is_device, one_line, write_whole
 from refused import Refused
 
 TOOL = "pamr-picture"
 
 
-unfinished = []  # files and folders that an interrupt removes
-
-
 def interrupt(_number, _frame):
     """Ends the process here: an exception could be lost in a destructor. The screen ends with its parent."""
-    os.write(2, f"{TOOL}: interrupted: outputs that were not complete are removed\n".encode())
-    for path in unfinished:
-        if os.path.isdir(path):
-            shutil.rmtree(path, ignore_errors=True)
-        elif os.path.exists(path):
-            os.unlink(path)
+    text = f"{TOOL}: interrupted: outputs that were not complete are removed{files.complete_text()}\n"
+    os.write(2, os.fsencode(text))
+    for path in files.unfinished:
+        files.remove(path)
     os._exit(6)
 
 
-def is_same_file(a, b):
-    """By `.` and `..`, symbolic or hard links; they need not exist. As tools/cli/files.cpp has it."""
-    def entry(path):
-        return os.path.join(os.path.realpath(os.path.dirname(path) or "."), os.path.basename(path))
-    return (entry(a) == entry(b) or os.path.realpath(a) == os.path.realpath(b)
-            or os.path.exists(a) and os.path.exists(b) and os.path.samefile(a, b))
-
-
-def is_device(path):
-    return os.path.exists(path) and not os.path.isfile(path) and not os.path.isdir(path)
-
-
-def check_output(path, inputs, outputs, force):
-    """Refuses what cannot become this output; before work starts, for each output."""
-    for kind, others in (("input", inputs), ("output", outputs)):
-        for other in others:
-            if is_same_file(path, other):
-                raise Refused(f"{path}: expected an output of its own, found the same file as the {kind} {other}")
-    folder = os.path.dirname(path) or "."
-    if os.path.isdir(path):
-        raise Refused(f"{path}: expected a file to write, found a folder")
-    if not os.path.isdir(folder):
-        raise Refused(f"{path}: expected an existing folder to write into, found none named {folder}")
-    if not os.access(folder, os.W_OK | os.X_OK):
-        raise Refused(f"{path}: the folder {folder} cannot be written")
-    if os.path.exists(path) and not force:
-        raise Refused(f"{path}: the output file exists already (--force replaces it)")
-
-
-def check_outputs(o):
+def check_files(o):
+    for mesh in o.meshes:
+        check_input(mesh)
     check_output(o.output, o.meshes, [], o.force)
     if is_device(o.output):
         raise Refused(f"{o.output}: expected a regular file to replace, found a device or pipe")
     if o.json and o.json != "-" and not is_device(o.json):
         check_output(o.json, o.meshes, [o.output], True)
+
+
+def warn(text, what="warning"):
+    print(f"{TOOL}: {what}: {one_line(text)}", file=sys.stderr)
 
 
 def say(text):
@@ -72,32 +45,6 @@ def say(text):
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # else Python tries once more when it ends
         if wrong.errno != errno.EBADF:
             raise Refused(f"standard output: not all that was printed could be written: {wrong.strerror}") from None
-
-
-def write_whole(path, content):
-    """All of it or nothing arrives under the name; a device or pipe is written directly."""
-    if is_device(path):
-        try:
-            with open(path, "wb") as device:
-                device.write(content)
-        except OSError as wrong:
-            raise Refused(f"{path}: cannot be written: {wrong.strerror}") from None
-        return
-    partial = f"{path}.{os.getpid()}.partial"
-    unfinished.append(partial)
-    try:
-        with open(partial, "xb") as file:
-            if os.path.exists(path):  # who could not read the old one cannot read the new one
-                os.fchmod(file.fileno(), os.stat(path).st_mode & 0o777)
-            file.write(content)
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(partial, path)
-    except OSError as wrong:
-        raise Refused(f"{path}: cannot be written: {wrong.strerror}") from None
-    finally:
-        if os.path.exists(partial):
-            os.unlink(partial)
 
 
 def extent_of(subjects, view, focus, zoom):
@@ -167,6 +114,17 @@ def require_patches(wanted, meshes):
             raise Refused(f"{meshes[0].file}: --patch: unknown patch '{name}'; there are {', '.join(sorted(known))}")
 
 
+def warn_of_values(o, subject):
+    """Of those that have no place on the scale of colors."""
+    import numpy as np
+    numbers = subject.values.numbers if subject.values is not None else np.empty(0)
+    is_finite = np.isfinite(numbers)
+    for n, what in (((~is_finite).sum(), "not finite and drawn in gray"),
+                    ((numbers[is_finite] <= 0).sum() if o.log else 0, "not above 0 (--log) and drawn in the lowest color")):
+        if n:
+            warn(f"{subject.mesh.file}: --field {o.field}: {n:,} of {len(numbers):,} values are {what}")
+
+
 def make(o):
     """The picture's bytes and what the report says of it."""
     import mesh_files
@@ -178,6 +136,8 @@ def make(o):
     require_patches(o.patch or [], meshes)
     subjects = [Subject(mesh, wish) for mesh in meshes]
     coloring = pages.Coloring(wish, subjects, o.range, o.log, o.map)
+    for subject in subjects:
+        warn_of_values(o, subject)
     legend = legend_of(o, subjects, coloring)
     is_planar = all(len(s.pieces()) == 1 and s.pieces()[0][1] for s in subjects)
     has_axes = is_planar and all(view.is_along_axes for view in o.views)
@@ -215,7 +175,7 @@ def make(o):
 def run(arguments, version):
     import command_line
     o = command_line.read(arguments, version)
-    check_outputs(o)
+    check_files(o)
     try:
         import matplotlib, numpy, vtk  # noqa: F401, E401: named here so that a missing package is one clear message
     except ImportError as missing:
@@ -224,13 +184,15 @@ def run(arguments, version):
     picture, report = make(o)
     write_whole(o.output, picture)
     report = {"report": {"tool": "pamr-picture", "version": version, "commit": "", "format": 1, "inputs": o.meshes}} | report
+    # File names need not be UTF-8; JSON must be.
+    text = os.fsencode(json.dumps(report, indent=2, ensure_ascii=False)).decode(errors="replace")
     if o.json == "-":
-        say(json.dumps(report, indent=2))
+        say(text)
     elif o.json:
-        write_whole(o.json, (json.dumps(report, indent=2) + "\n").encode())
+        write_whole(o.json, (text + "\n").encode())
     if not o.quiet:
         cells = ", ".join(f"{m['cells']:,}" for m in report["meshes"])
-        line = f"{o.output}: {o.size[0]} x {o.size[1]} pixels, {cells} cells"
+        line = f"{one_line(o.output)}: {o.size[0]} x {o.size[1]} pixels, {cells} cells"
         if o.json == "-":
             print(line, file=sys.stderr)
         else:
@@ -244,17 +206,20 @@ def main(arguments, version):
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGUSR1):
         if number != signal.SIGHUP or signal.getsignal(number) != signal.SIG_IGN:  # nohup
             signal.signal(number, interrupt)
+    for stream in (sys.stdout, sys.stderr):  # names of files, whatever their bytes
+        if stream is not None:
+            stream.reconfigure(errors="surrogateescape")
     try:
         run(arguments, version)
         return 0
     except Refused as wrong:
-        print(f"{TOOL}: error: {' '.join(str(wrong).split())}", file=sys.stderr)
+        warn(f"{wrong}{files.complete_text()}", "error")
         return 2
     except MemoryError:
-        print(f"{TOOL}: error: out of memory", file=sys.stderr)
+        warn(f"out of memory{files.complete_text()}", "error")
         return 3
     except Exception as wrong:  # a defect: one line, like the other tools
-        print(f"{TOOL}: error: internal: {type(wrong).__name__}: {wrong}", file=sys.stderr)
+        warn(f"internal: {type(wrong).__name__}: {wrong}{files.complete_text()}", "error")
         if os.environ.get("PAMR_TRACE"):
             raise
         return 3

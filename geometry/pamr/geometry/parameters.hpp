@@ -30,6 +30,9 @@ inline double largest_coordinate(Vec3 v) { return std::fmax(std::fmax(std::abs(v
 inline constexpr double max_coordinate = 1e30;
 inline constexpr const char* max_coordinate_text = "1e30";  ///< for messages
 
+/// Meshes are larger than this, for the same measures.
+inline constexpr double min_extent = 1e-30;
+
 /// Whether all coordinates are, and none is NaN.
 inline bool is_in_range(Vec3 v) {
   return std::abs(v.x) < max_coordinate && std::abs(v.y) < max_coordinate && std::abs(v.z) < max_coordinate;

@@ -130,11 +130,13 @@ void add_file(const AssociationRequest& request, const std::string& name, const 
   if (request.feature_angle >= 0) options.crease.angle = request.feature_angle;
   options.crease.given = request.creases;
   if (!parts.name.empty()) options.parts = std::make_shared<const geometry::NamedParts>(std::move(parts));
+  std::shared_ptr<const geometry::Surface> surface;
   try {
-    set.add(name, "--surface " + file, std::make_shared<geometry::Triangulated>(data, options));
+    surface = std::make_shared<geometry::Triangulated>(data, options);
   } catch (const Error& error) {
     throw Error(fmt::format("--surface {}: {}", file, error.what()));
   }
+  set.add(name, "--surface " + file, std::move(surface));  // whose errors name it themselves
   set.triangulations.push_back(std::move(data));
   if (!set.toml.empty() && set.toml.back() != '\n') set.toml += '\n';
   set.toml +=

@@ -25,13 +25,19 @@ namespace {
 
 using mesh::BlockMesh;
 
+/// The field of the work that belongs to the marks; empty if there is none. Integers of that name and another type are
+/// the user's.
+std::string find_work(const io::NativeFile& file, const std::string& marks) {
+  const auto work = balance::work_field(marks);
+  return file.has_integers(work, balance::work_type) ? work : std::string();
+}
+
 /// The row at which this rank begins to read; none: at its canonical block.
 std::optional<GlobalId> first_cell_to_read(const par::Comm& comm, io::NativeFile& file, const std::string& marks) {
   using enum io::NativeFile::Checked;
   if (!file.has_integers(marks)) return {};
-  const auto work = balance::work_field(marks);
   // read_for_refinement leaves this field out of the mesh, so this is the only time that it is verified
-  if (file.has_integers(work))
+  if (const auto work = find_work(file, marks); !work.empty())
     return balance::first_cell_of_run(comm, balance::work_from_values(file.read_integers(work, checksum)));
   if (comm.size() == 1) return {};
   const auto cell_to_node = file.read_cell_to_node();
@@ -43,8 +49,7 @@ std::optional<GlobalId> first_cell_to_read(const par::Comm& comm, io::NativeFile
 BlockMesh read_block(const par::Comm& comm, const std::filesystem::path& path, const ReadingOptions& options) {
   const auto& marks = options.marks_field;
   io::NativeFile file(comm, path, {.build_surfaces = options.build_surfaces, .remark = options.remark});
-  const auto work = balance::work_field(marks);
-  return file.read(first_cell_to_read(comm, file, marks), file.has_integers(work) ? work : std::string());
+  return file.read(first_cell_to_read(comm, file, marks), find_work(file, marks));
 }
 
 BlockMesh along_curve(const par::Comm& comm, BlockMesh block) {

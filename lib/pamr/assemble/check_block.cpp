@@ -24,7 +24,7 @@ void require_size(std::size_t found, std::size_t expected, const std::string& wh
     throw Error(fmt::format("{}: expected {} entries, found {} (rank {})", what, expected, found, rank));
 }
 
-void check_fields(const std::vector<mesh::Field>& fields, std::size_t n, const char* place, Rank rank) {
+void check_fields(const std::vector<mesh::Field>& fields, std::size_t n, const char* place, bool has_map, Rank rank) {
   for (const auto& field : fields) {
     if (field.n_components < 1)
       throw Error(fmt::format("{} field `{}`: expected at least 1 component, found {}", std::string(place), field.name,
@@ -32,7 +32,7 @@ void check_fields(const std::vector<mesh::Field>& fields, std::size_t n, const c
     const auto size = std::visit([](const auto& values) { return values.size(); }, field.value);
     require_size(size, n * static_cast<std::size_t>(field.n_components),
                  std::string(place) + " field `" + field.name + "`", rank);
-    mesh::require_level0_shape(field, place == std::string_view("cell"));
+    mesh::require_level0_field(field, place == std::string_view("cell"), has_map);
   }
 }
 
@@ -53,8 +53,9 @@ void check_sizes(const mesh::BlockMesh& block, std::span<const Rank> destination
   if (contents.has_origin) require_size(block.cell_origin.size(), n, "cell_origin", rank);
   if (contents.has_destinations) require_size(destination.size(), n, "destinations", rank);
   require_size(block.node_position.size(), static_cast<std::size_t>(nodes.count()), "node block", rank);
-  check_fields(block.cell_fields, n, "cell", rank);
-  check_fields(block.node_fields, static_cast<std::size_t>(nodes.count()), "node", rank);
+  const bool has_map = block.info.level0 != nullptr;
+  check_fields(block.cell_fields, n, "cell", has_map, rank);
+  check_fields(block.node_fields, static_cast<std::size_t>(nodes.count()), "node", has_map, rank);
 }
 
 std::string cell_at(const mesh::BlockMesh& block, std::size_t i) {

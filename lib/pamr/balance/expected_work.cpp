@@ -82,8 +82,7 @@ void set_work(mesh::DistMesh& mesh, const std::string& marks_field,
   mesh::remove_field(mesh.cell_fields, name);
   if (!work) return;
   PAMR_EXPECTS(work->size() == mesh.cell_to_node.size());
-  mesh.cell_fields.push_back(
-      {name, "", 1, mesh::StorageType::uint8, std::vector<std::int64_t>(work->begin(), work->end())});
+  mesh.cell_fields.push_back({name, "", 1, work_type, std::vector<std::int64_t>(work->begin(), work->end())});
 }
 
 std::vector<std::uint8_t> work_from_values(std::span<const std::int64_t> values) {

@@ -18,6 +18,7 @@ namespace pamr::balance {
 /// Name of the integer cell field of the work (1 to 255) that belongs to a field of marks: who writes the marks may
 /// know it exactly (`adapt::Forecast`).
 std::string work_field(const std::string& marks_field);
+inline constexpr auto work_type = mesh::StorageType::uint8;  ///< of a field that `set_work` has put
 
 /// Puts that field into the mesh in place of an older one; without `work` only removes the older one. On all ranks or
 /// on none. Local.

@@ -49,9 +49,11 @@ std::string text_of_fields(const Format& format, const mesh::DistMesh& mesh,
   for (const auto& field : mesh.cell_fields) add(field, "cells");
   for (const auto& field : mesh.node_fields) add(field, "nodes");
   if (names.empty()) return {};
-  return fmt::format("{} left out: {}: files of {} have no place for {}",
-                     counted(std::ssize(names), "field is", "fields are"), listed(names), format.name,
-                     names.size() == 1 ? "it" : "them");
+  const auto* place = format.has_solutions ? "fields of reals alone, in a file beside them (--sol-out, --sol-fields)"
+                      : names.size() == 1  ? "no place for it"
+                                           : "no place for them";
+  return fmt::format("{} left out: {}: files of {} have {}", counted(std::ssize(names), "field is", "fields are"),
+                     listed(names), format.name, place);
 }
 
 /// Faces of each patch, each side of those inside. Collective.

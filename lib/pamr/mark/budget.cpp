@@ -59,8 +59,6 @@ class Trials {
   Budget* budget_;  ///< gets the errors that are recovered
 };
 
-constexpr double smallest_part = 0.98;  ///< of the cells that are wanted
-
 }  // namespace
 
 std::vector<std::uint8_t> marks_within_budget(const par::Comm& comm, const mesh::DistMesh& mesh,
@@ -94,10 +92,18 @@ Choice choose_within_budget(const par::Comm& comm, const mesh::DistMesh& mesh, c
   Trials trials(comm, mesh, request, budget);
   const auto is_enough = [&](const Trial& trial) {
     return trial.cells <= max_cells &&
-           static_cast<double>(trial.cells) >= smallest_part * static_cast<double>(max_cells);
+           static_cast<double>(trial.cells) >= smallest_part_of_budget * static_cast<double>(max_cells);
   };
   const auto chosen = [](Trial trial) {
     return Choice{marks_of(trial.applied.indicator), std::move(trial.applied.may_go), std::exp2(trial.exponent)};
+  };
+  // Many cells of one value, or criteria without a value: as many of them as fit, beside what is coarsened.
+  const auto chosen_in_part = [&](Trial trial, std::span<const double> indicator) {
+    auto choice = chosen(std::move(trial));
+    choice.marks = marks_within_budget(comm, mesh, indicator, max_cells, [&](std::span<const std::uint8_t> marks) {
+      return budget.predicted_cells(marks, choice.may_go);
+    });
+    return choice;
   };
   auto fits = trials.measured(0, applied);
   if (is_enough(fits) || (fits.cells <= max_cells && !budget.fill)) return chosen(std::move(fits));
@@ -113,7 +119,7 @@ Choice choose_within_budget(const par::Comm& comm, const mesh::DistMesh& mesh, c
       if (e > 1) too_many = fits;
       fits = trials.at(e);
     }
-    if (fits.cells > max_cells) return chosen(std::move(fits));
+    if (fits.cells > max_cells) return chosen_in_part(fits, fits.applied.indicator);
   }
   // The loosest of those that fit: where the worst cells are split for the best ones, not only where nothing happens.
   constexpr double fine_enough = 0.01;
@@ -123,13 +129,7 @@ Choice choose_within_budget(const par::Comm& comm, const mesh::DistMesh& mesh, c
     auto middle = trials.at(0.5 * (fits.exponent + too_many.exponent));
     (middle.cells <= max_cells ? fits : too_many) = std::move(middle);
   }
-  auto choice = chosen(fits);
-  // Many cells of one value: as many of them as fit, beside what is coarsened.
-  if (!is_enough(fits))
-    choice.marks = marks_within_budget(
-        comm, mesh, too_many.applied.indicator, max_cells,
-        [&](std::span<const std::uint8_t> marks) { return budget.predicted_cells(marks, choice.may_go); });
-  return choice;
+  return is_enough(fits) ? chosen(std::move(fits)) : chosen_in_part(fits, too_many.applied.indicator);
 }
 
 }  // namespace pamr::mark

@@ -30,6 +30,9 @@ std::vector<std::uint8_t> marks_within_budget(const par::Comm& comm, const mesh:
 using PredictionBothWays =
     std::function<std::int64_t(std::span<const std::uint8_t> marks, std::span<const std::uint8_t> may_go)>;
 
+/// `choose_within_budget` is content with this part of the cells that are allowed.
+inline constexpr double smallest_part_of_budget = 0.98;
+
 /// How many cells a mesh may have after marking.
 struct Budget {
   Exact<std::int64_t> max_cells;
@@ -49,8 +52,8 @@ struct Choice {
 /// that the hysteresis between splitting and coarsening is kept.
 ///
 /// Fewer cells result if one level of splitting does not give as many, more if one level of coarsening does not take as
-/// many. `applied`: `apply` of the request itself. Collective: about 30 predictions, less those of marks that make too
-/// many cells whatever the closure. Pre: some criterion has a value.
+/// many; then nothing is marked. `applied`: `apply` of the request itself. Collective: about 30 predictions, less those
+/// of marks that make too many cells whatever the closure. Pre: some criterion has a value.
 Choice choose_within_budget(const par::Comm& comm, const mesh::DistMesh& mesh, const Request& request,
                             const Applied& applied, Budget budget);
 

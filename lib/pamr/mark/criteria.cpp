@@ -235,6 +235,7 @@ std::optional<Criterion> criterion_of(const Given& given, const Given* second) {
     return Criterion{text, CrossingSphere{sphere_of(given, numbers_of(given, 4, "X,Y,Z,R"))}};
   if (given.option == "--centroid-shell") {
     const auto v = numbers_of(given, 5, "X,Y,Z,R,W");
+    if (v[4] < 0) throw Error(fmt::format("{}: expected a width of at least 0, found {}", given.option, v[4]));
     return Criterion{text, CentroidShell{sphere_of(given, v), v[4]}};
   }
   if (given.option == "--box") {
@@ -266,6 +267,23 @@ std::optional<Criterion> criterion_of(const Given& given, const Given* second) {
     return Criterion{text, recovered_error_of(given, *second)};
   }
   return std::nullopt;
+}
+
+/// Refuses options of the whole request that are given twice, and those that change nothing without others.
+void require_used(const std::vector<Given>& given, const Request& request) {
+  const auto count = [&](std::string_view option) {
+    return std::count_if(given.begin(), given.end(), [&](const Given& one) { return one.option == option; });
+  };
+  const auto require = [&](const char* option, bool holds, const char* partner) {
+    const auto n = count(option);
+    if (n > 1) throw Error(fmt::format("{}: expected it once, found it {} times", option, n));
+    if (n == 1 && !holds) throw Error(fmt::format("{}: expected {} beside it, found none", option, partner));
+  };
+  constexpr auto coarsening = "--coarsen-below or --coarsen-rest";
+  require("--max-level", true, "");
+  require("--min-level", request.coarsens(), coarsening);
+  require("--keep-for", request.coarsens(), coarsening);
+  require("--size", count("--size-over") > 0, "--size-over");
 }
 
 }  // namespace
@@ -344,6 +362,7 @@ Request read_request(const std::vector<Given>& given) {
     throw Error(
         "expected at least one criterion (--all, --crossing-sphere, --centroid-shell, --box, --patch, --field, "
         "--size-over, --recovered-error, --bulk-of), found none");
+  require_used(given, request);
   return request;
 }
 

@@ -81,13 +81,16 @@ std::int64_t count_marked(const par::Comm& comm, std::span<const std::uint8_t> m
   return comm.sum(static_cast<std::int64_t>(std::count(marks.begin(), marks.end(), std::uint8_t{1})));
 }
 
+constexpr auto count_type = mesh::StorageType::uint8;
+
 std::vector<std::int64_t> keep_in_trial(const par::Comm& comm, const mesh::DistMesh& mesh, const std::string& name,
                                         Exact<int> n_times, std::span<std::uint8_t> may_go) {
   PAMR_EXPECTS(may_go.size() == mesh.cell_to_node.size());
   const auto field_name = name + "_idle";
   std::vector<std::int64_t> idle(may_go.size(), 0);
   const auto* before = mesh.find_cell_field(field_name);
-  mesh::require_replaceable(comm, mesh, {field_name, "the count of how often cells could have been coarsened", 0, 255});
+  mesh::require_replaceable(comm, mesh,
+                            {field_name, "the count of how often cells could have been coarsened", 0, 255, count_type});
   for (std::size_t c = 0; c < idle.size(); ++c) {
     if (may_go[c] == 0) continue;
     const auto so_far = before == nullptr ? 0 : std::min<std::int64_t>(before->integer()[c], max_keep_for);
@@ -100,7 +103,7 @@ std::vector<std::int64_t> keep_in_trial(const par::Comm& comm, const mesh::DistM
 void keep_for_a_while(const par::Comm& comm, mesh::DistMesh& mesh, const std::string& name, Exact<int> n_times,
                       std::span<std::uint8_t> may_go) {
   auto idle = keep_in_trial(comm, mesh, name, n_times, may_go);
-  mesh::put_field(mesh.cell_fields, {name + "_idle", "", 1, mesh::StorageType::uint8, std::move(idle)});
+  mesh::put_field(mesh.cell_fields, {name + "_idle", "", 1, count_type, std::move(idle)});
 }
 
 void set_marks(mesh::DistMesh& mesh, std::span<const std::uint8_t> marks, const std::string& name,

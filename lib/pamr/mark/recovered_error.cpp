@@ -62,6 +62,7 @@ RecoveredError recovered_error(const par::Comm& comm, const mesh::DistMesh& mesh
   RecoveredError result;
   assign_array(result.squared, n_cells, 0.0);
   std::array<par::ExactSum, 2> sums;
+  bool is_constant = true;
   for (std::size_t c = 0; c < n_cells; ++c) {
     auto order = mesh.cell_to_node[c];
     std::sort(order.begin(), order.end(),
@@ -71,11 +72,16 @@ RecoveredError recovered_error(const par::Comm& comm, const mesh::DistMesh& mesh
     result.squared[c] = integral_of_product(volume[c], difference, difference);
     sums[0].add(result.squared[c]);
     sums[1].add(volume[c] * squared_norm(gradient[c]));
+    is_constant = is_constant && gradient[c] == Vec3{};
   }
   const auto totals = par::reproducible_sums(comm, sums);
   if (!std::isfinite(totals[0]) || !std::isfinite(totals[1]))
     throw Error(
         fmt::format("field \"{}\": expected values whose squares are finite numbers, found too large ones", field));
+  constexpr double min_norm_squared = 1e-280;  // smaller ones have lost digits
+  if (comm.any(!is_constant) && totals[1] < min_norm_squared)
+    throw Error(
+        fmt::format("field \"{}\": expected values whose squares are numbers above 0, found too small ones", field));
   result.total_squared = totals[0];
   result.norm_squared = totals[1];
   return result;

@@ -9,14 +9,21 @@
 
 namespace pamr::mesh {
 
-void require_level0_shape(const Field& field, bool on_cells) {
-  if (field.name != (on_cells ? level0_cell_field : level0_key_field)) return;
+void require_level0_field(const Field& field, bool on_cells, bool has_map) {
+  if (!is_level0_field(field)) return;
+  const auto require = [&](bool holds, const std::string& what, const std::string& found) {
+    if (!holds)
+      throw Error(
+          fmt::format("field '{}': expected another name, which is not that of a part of the map of level 0, "
+                      "or {}, found {}",
+                      field.name, what, found));
+  };
   const int n_components = on_cells ? 1 : n_key_words;
-  if (!field.holds_integers() || field.n_components != n_components)
-    throw Error(
-        fmt::format("field '{}': expected another name, which is not that of a part of the map of level 0, or "
-                    "{} integers, found {} {}",
-                    field.name, n_components, field.n_components, field.holds_integers() ? "integers" : "reals"));
+  require(field.name == (on_cells ? level0_cell_field : level0_key_field), on_cells ? "nodes" : "cells",
+          on_cells ? "cells" : "nodes");
+  require(field.holds_integers() && field.n_components == n_components, fmt::format("{} integers", n_components),
+          fmt::format("{} {}", field.n_components, field.holds_integers() ? "integers" : "reals"));
+  require(has_map, "a mesh with such a map", "none");
 }
 
 Level0Key middle(const Level0Key& a, const Level0Key& b) {

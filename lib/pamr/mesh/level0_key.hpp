@@ -21,8 +21,9 @@ inline bool is_level0_field(const Field& field) {
   return field.name == level0_key_field || field.name == level0_cell_field;
 }
 
-/// Throws `Error` where a field of nodes or cells has the name of one of these and another shape. Local.
-void require_level0_shape(const Field& field, bool on_cells);
+/// Throws `Error` where a field of nodes or cells has the name of one of these, and the mesh has no map, or the field
+/// another shape. Local.
+void require_level0_field(const Field& field, bool on_cells, bool has_map);
 
 /// The place of a node in the straight level 0: barycentric coordinates of at most four of its nodes. Exact, and the
 /// same from whatever cell one looks. Source: docs/level0-map.md.

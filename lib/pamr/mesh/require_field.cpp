@@ -36,6 +36,7 @@ std::string difference(const DistMesh& mesh, const CellField& field, const OwnFi
   if (field.name == region_field) return "the regions of the mesh";
   if (field.n_components != 1) return fmt::format("{} components", field.n_components);
   if (!field.holds_integers()) return "reals";
+  if (own.type && field.storage != *own.type) return "integers of another type";
   const auto& values = field.integer();
   for (std::size_t i = 0; i < values.size(); ++i)
     if (values[i] < own.low || values[i] > own.high)

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -39,13 +40,14 @@ std::string names_of(const std::vector<Field>& fields);
 /// may have data of that name.
 struct OwnField {
   std::string name;
-  std::string holds;               ///< for messages: "marks"
-  std::int64_t low = 0, high = 0;  ///< of its values
+  std::string holds;                     ///< for messages: "marks"
+  std::int64_t low = 0, high = 0;        ///< of its values
+  std::optional<StorageType> type = {};  ///< where the stage knows its own by it
 };
 
 /// Throws the same `Error` on every rank if the mesh has a cell field of that name which cannot be an older one of the
-/// stage: reals, several components, values below `low` or above `high`, or the regions. Collective: one agreement;
-/// O(cells) of each rank.
+/// stage: reals, several components, another type, values below `low` or above `high`, or the regions. Collective: one
+/// agreement; O(cells) of each rank.
 void require_replaceable(const par::Comm& comm, const DistMesh& mesh, const OwnField& own);
 
 /// Puts a field in place of the one of its name, or behind the others when there is none.

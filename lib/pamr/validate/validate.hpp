@@ -52,8 +52,12 @@ std::vector<Violation> validate(const par::Comm& comm, const mesh::DistMesh& mes
 /// ", first at cell 5", or a node; empty for one without a place.
 std::string text_of_place(const Violation& violation);
 
+/// Throws `Error` naming `what` for a mesh smaller than `geometry::min_extent`, so that measures of shapes underflow.
+/// Collective.
+void require_size(const par::Comm& comm, const mesh::DistMesh& mesh, const std::string& what);
+
 /// Throws `Error` naming the first violation, where it is (of `untagged_outside` the patches), and `what`, the same on
-/// every rank. Collective.
+/// every rank; as `require_size` where there is none. Collective.
 void require_valid(const par::Comm& comm, const mesh::DistMesh& mesh, const std::string& what);
 
 /// Throws `Error` naming `what`, the same on every rank, for a mesh that breaks `finite_coordinates`,

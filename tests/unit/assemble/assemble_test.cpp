@@ -430,6 +430,11 @@ TEST_F(AssembleRefuses, FieldsNamedAsThoseOfTheMapOfLevel0InAnotherShape) {
                                   std::vector<std::int64_t>(4 * m.node_position.size())}};
               }),
               HasSubstr("or 8 integers, found 4 integers"));
+  EXPECT_THAT(cube([](mesh::BlockMesh& m) {
+                m.cell_fields = {{mesh::level0_cell_field, "", 1, StorageType::int64,
+                                  std::vector<std::int64_t>(m.cell_to_node.size())}};
+              }),
+              HasSubstr("or a mesh with such a map, found none"));
 }
 
 TEST_F(AssembleRefuses, DestinationsThatAreNoRanks) {

@@ -64,6 +64,8 @@ TEST(ReadRequest, ReadsLimits) {
                                      {"--only-where", "c:below:-2"},
                                      {"--error", "of c"},
                                      {"--only-where", "d:below:0"},
+                                     {"--size-over", "f"},
+                                     {"--ratio", "2"},
                                      {"--size", "longest-edge"}});
 
   EXPECT_EQ(request.max_level, 3);
@@ -100,7 +102,12 @@ TEST(ReadRequest, RefusesWhatItCannotRead) {
       {{"--recovered-error", "f"}},
       {{"--recovered-error", "f"}, {"--bulk", "1.5"}},
       {{"--recovered-error", "f"}, {"--theta", "0"}},
-      {{"--all", ""}, {"--size", "big"}},
+      {{"--size-over", "f"}, {"--ratio", "2"}, {"--size", "big"}},
+      {{"--all", ""}, {"--size", "cbrt"}},
+      {{"--all", ""}, {"--min-level", "1"}},
+      {{"--all", ""}, {"--keep-for", "1"}},
+      {{"--all", ""}, {"--max-level", "1"}, {"--max-level", "2"}},
+      {{"--centroid-shell", "0,0,0,1,-1"}},
       {{"--all", ""}, {"--max-level", "-1"}},
       {{"--all", ""}, {"--only-where", "rho:1"}},
       {{"--all", ""}, {"--only-where", "rho:over:1"}},

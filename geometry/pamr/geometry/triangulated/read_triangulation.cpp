@@ -35,7 +35,9 @@ std::string bytes_of(const std::filesystem::path& file) {
   auto bytes = std::filesystem::is_regular_file(file, error) ? read_file(file) : std::nullopt;
   if (!bytes)
     throw Error(file.string() + ": expected a surface file that can be read, found " +
-                (errno != 0 ? std::strerror(errno) : "no such file"));
+                (std::filesystem::is_directory(file, error) ? "a folder"
+                 : errno != 0                               ? std::strerror(errno)
+                                                            : "no such file"));
   return std::move(*bytes);
 }
 

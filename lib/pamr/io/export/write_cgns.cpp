@@ -41,7 +41,9 @@ struct LargeArray {
 /// Makes the nodes of the tree on the first rank: a group with attributes, and its data in a dataset.
 class CgnsTree {
  public:
-  explicit CgnsTree(const std::filesystem::path& file) : file_(file.string()) {
+  /// `path`: where it is made; `file`: its name for messages.
+  CgnsTree(const std::filesystem::path& path, const std::filesystem::path& file)
+      : file_("file '" + file.string() + "'") {
     const auto creation = hdf5::take(H5Pcreate(H5P_FILE_CREATE), H5Pclose, file_);
     const auto access = hdf5::take(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, file_);
     group_ = hdf5::take(H5Pcreate(H5P_GROUP_CREATE), H5Pclose, file_);
@@ -57,7 +59,7 @@ class CgnsTree {
             H5Pset_fill_time(contiguous_.id(), H5D_FILL_TIME_NEVER) >= 0 &&
             H5Pset_obj_track_times(compact_.id(), false) >= 0 && H5Pset_layout(compact_.id(), H5D_COMPACT) >= 0,
         file_ + ": cannot choose how it is stored");
-    h5_ = hdf5::take(H5Fcreate(file_.c_str(), H5F_ACC_TRUNC, creation.id(), access.id()), H5Fclose,
+    h5_ = hdf5::take(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation.id(), access.id()), H5Fclose,
                      file_ + ": cannot create it");
     const auto root = hdf5::take(H5Gopen2(h5_.id(), "/", H5P_DEFAULT), H5Gclose, file_);
     describe(root.id(), "HDF5 MotherNode", "Root Node of HDF5 File", "MT");
@@ -168,6 +170,7 @@ class CgnsWriter {
       : comm_(comm),
         mesh_(mesh),
         remark_(remark),
+        file_(file),
         rows_(rows_in_order(comm, mesh, nullptr, Interfaces::patches)),
         out_(comm, file) {
     leave_out_untagged(rows_, mesh.info);
@@ -182,7 +185,7 @@ class CgnsWriter {
   void write() {
     par::agree(comm_, [&] {
       const hdf5::Silence silence;
-      if (comm_.is_first()) tree_.emplace_back(out_.path());
+      if (comm_.is_first()) tree_.emplace_back(out_.path(), file_);
     });
     par::agree(comm_, [&] {
       const hdf5::Silence silence;
@@ -353,6 +356,7 @@ class CgnsWriter {
   const par::Comm& comm_;
   const mesh::DistMesh& mesh_;
   const Remark& remark_;
+  std::filesystem::path file_;
   RowsInOrder rows_;
   SharedOutput out_;
   std::vector<std::vector<std::array<GlobalId, 3>>> faces_;        ///< of each patch, this rank's

@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdlib>
 #include <new>
+#include <string_view>
 
 #include "pamr/base/error.hpp"
 #include "pamr/par/mpi_memory.hpp"
@@ -71,6 +72,12 @@ std::string last_error() {
   std::string text;
   H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, append_description, &text);
   H5Eclear2(H5E_DEFAULT);
+  // What the system said is the reason; the rest names parts of HDF5 and temporary files.
+  constexpr std::string_view mark = "error message = '";
+  if (const auto at = text.find(mark); at != std::string::npos) {
+    const auto begin = at + mark.size();
+    return text.substr(begin, text.find('\'', begin) - begin);
+  }
   return text.empty() ? "no reason given" : text;
 }
 

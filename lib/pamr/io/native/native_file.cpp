@@ -92,8 +92,9 @@ const mesh::MeshInfo& NativeFile::info() const { return open_->layout.info; }
 
 bool NativeFile::is_of_pamr() const { return open_->catalog.has_pamr_group; }
 
-bool NativeFile::has_integers(std::string_view cell_field) const {
-  return find_integers(open_->layout, cell_field) != nullptr;
+bool NativeFile::has_integers(std::string_view cell_field, std::optional<mesh::StorageType> type) const {
+  const auto* field = find_integers(open_->layout, cell_field);
+  return field != nullptr && (!type || field->type == *type);
 }
 
 std::vector<std::int64_t> NativeFile::read_integers(std::string_view cell_field, Checked checked) {

@@ -59,8 +59,8 @@ class NativeFile {
   const mesh::MeshInfo& info() const;
   /// Whether the file has `/PAMR`; another program wrote one without.
   bool is_of_pamr() const;
-  /// Whether there is a cell field of this name, of one integer component.
-  bool has_integers(std::string_view cell_field) const;
+  /// Whether there is a cell field of this name, of one integer component, stored as `type` if that is given.
+  bool has_integers(std::string_view cell_field, std::optional<mesh::StorageType> type = {}) const;
 
   enum class Checked {
     checksum,

@@ -314,7 +314,7 @@ void require_short(const std::string& what, const std::string& name, const std::
                             name.size() > shown ? name.substr(0, shown) + "..." : name, max_name_bytes, text.size()));
 }
 
-void require_fields(const std::vector<mesh::Field>& fields, bool on_cells) {
+void require_fields(const std::vector<mesh::Field>& fields, bool on_cells, bool has_map) {
   const std::string where = on_cells ? "cell field '" : "node field '";
   if (fields.size() > max_fields)
     throw Error(fmt::format("expected at most {} fields of {}, found {}", max_fields, on_cells ? "cells" : "nodes",
@@ -330,6 +330,7 @@ void require_fields(const std::vector<mesh::Field>& fields, bool on_cells) {
     if (field.n_components > max_components)
       throw Error(fmt::format("{}{}': expected 1 to {} components, found {}", where, field.name, max_components,
                               field.n_components));
+    mesh::require_level0_field(field, on_cells, has_map);
     if (on_cells && is_level_for_viewers(field))
       throw Error(where +
                   "level': expected another name or type than uint8, in which files show the levels of the cells, "
@@ -382,8 +383,9 @@ void require_writable(const mesh::DistMesh& mesh, int format) {
     throw Error(fmt::format("format: expected {}, which has a place for patches of faces inside, found {}",
                             first_format_with_inner_patches, format));
   require_writable(mesh.info.surfaces->triangulations);
-  require_fields(mesh.node_fields, false);
-  require_fields(mesh.cell_fields, true);
+  const bool has_map = mesh.info.level0 != nullptr;
+  require_fields(mesh.node_fields, false, has_map);
+  require_fields(mesh.cell_fields, true, has_map);
   std::set<std::string> seen;
   for (const auto& patch : mesh.info.patches) {
     if (patch.name.empty() || !is_clean_text(patch.name, "") || !is_clean_text(patch.kind, "") ||

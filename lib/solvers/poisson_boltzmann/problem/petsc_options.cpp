@@ -193,6 +193,15 @@ CasePetscOptions check_petsc_options(std::string_view text) {
   return result;
 }
 
+std::string find_stray_word(std::string_view text) {
+  bool may_be_value = false;
+  for (const auto& word : words_of(text)) {
+    if (!is_option(word) && !may_be_value) return word;
+    may_be_value = is_option(word);
+  }
+  return {};
+}
+
 std::vector<std::string> petsc_words(const std::string& option) {
   const auto values = values_of(option);
   const bool is_words = values != number && values != flag && values.find("..") == std::string_view::npos;

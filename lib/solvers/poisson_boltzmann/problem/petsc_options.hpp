@@ -16,6 +16,10 @@ struct CasePetscOptions {
 };
 CasePetscOptions check_petsc_options(std::string_view text);
 
+/// The first word that is neither an option nor the value of one, which PETSc passes over in silence; empty if there is
+/// none.
+std::string find_stray_word(std::string_view text);
+
 /// The options that pass, and the words that one of them may have as values (empty where these are numbers).
 std::vector<std::string> petsc_option_names();
 std::vector<std::string> petsc_words(const std::string& option);
