@@ -21,6 +21,12 @@ def one_line(text):
     return "".join("\\n" if c == "\n" else f"\\x{ord(c):02x}" if ord(c) < 0x20 or 0x7f <= ord(c) < 0xa0 else c for c in text)
 
 
+def tell(text):
+    """A line of standard error, which nobody has to read."""
+    with contextlib.suppress(OSError):
+        os.write(2, os.fsencode(one_line(text) + "\n"))
+
+
 def complete_text():
     """What ends every message once an output is complete."""
     return f"; complete: {', '.join(repr_of(path) for path in complete)}" if complete else ""

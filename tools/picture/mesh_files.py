@@ -242,7 +242,7 @@ def read_by_convert(file):
     if tool is None:
         raise Refused(f"{file}: reading this format needs pamr-convert beside pamr-picture, found none")
     environment = {k: v for k, v in os.environ.items() if not k.startswith(("OMPI_", "PMI", "PRTE_"))}  # alone
-    from files import unfinished
+    from files import tell, unfinished
     from x_server import dies_with_its_parent
     with tempfile.TemporaryDirectory(prefix="pamr-picture-") as folder:
         unfinished.append(folder)
@@ -257,7 +257,7 @@ def read_by_convert(file):
     mesh.file = file
     for line in said:
         if line.startswith("warning: "):
-            print("pamr-picture: warning: pamr-convert: " + line.removeprefix("warning: "), file=sys.stderr)
+            tell("pamr-picture: warning: pamr-convert: " + line.removeprefix("warning: "))
     return mesh
 
 

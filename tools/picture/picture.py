@@ -6,9 +6,10 @@ import json
 import os
 import signal
 import sys
+import warnings
 
 import files
-from files import check_input, check_output, is_device, one_line, write_whole
+from files import check_input, check_output, is_device, one_line, tell, write_whole
 from refused import Refused
 
 TOOL = "pamr-picture"
@@ -34,7 +35,7 @@ def check_files(o):
 
 
 def warn(text, what="warning"):
-    print(f"{TOOL}: {what}: {one_line(text)}", file=sys.stderr)
+    tell(f"{TOOL}: {what}: {text}")
 
 
 def say(text):
@@ -181,7 +182,11 @@ def run(arguments, version):
     except ImportError as missing:
         raise Refused(f"expected the Debian packages python3-vtk9, python3-matplotlib and python3-h5py, "
                       f"found no module {missing.name}") from None
-    picture, report = make(o)
+    with warnings.catch_warnings(record=True) as noticed:  # of signs that the font has not
+        warnings.simplefilter("always", UserWarning)
+        picture, report = make(o)
+    for text in dict.fromkeys(str(one.message) for one in noticed if issubclass(one.category, UserWarning)):
+        warn(text)
     write_whole(o.output, picture)
     report = {"report": {"tool": "pamr-picture", "version": version, "commit": "", "format": 1, "inputs": o.meshes}} | report
     # File names need not be UTF-8; JSON must be.
@@ -194,7 +199,7 @@ def run(arguments, version):
         cells = ", ".join(f"{m['cells']:,}" for m in report["meshes"])
         line = f"{one_line(o.output)}: {o.size[0]} x {o.size[1]} pixels, {cells} cells"
         if o.json == "-":
-            print(line, file=sys.stderr)
+            tell(line)
         else:
             say(line)
 
@@ -206,9 +211,8 @@ def main(arguments, version):
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGUSR1):
         if number != signal.SIGHUP or signal.getsignal(number) != signal.SIG_IGN:  # nohup
             signal.signal(number, interrupt)
-    for stream in (sys.stdout, sys.stderr):  # names of files, whatever their bytes
-        if stream is not None:
-            stream.reconfigure(errors="surrogateescape")
+    if sys.stdout is not None:
+        sys.stdout.reconfigure(errors="surrogateescape")  # names of files, whatever their bytes
     try:
         run(arguments, version)
         return 0
