@@ -3,7 +3,7 @@
 # What quality control costs: the time of `removable` over that of `none` for each cell that comes out, on W2, at every
 # level of W3 and at four levels of the blunt cone (the marks of scaling.sh). Each policy refines its own meshes, one
 # rank. Prints medians; of the cone, the processor time of the steps from close to transfer by the tool's report.
-# Usage: quality_cost.sh [BUILD] [REPEATS]   (default: build/release, 5; two minutes)
+# Usage: quality_cost.sh [BUILD] [REPEATS]   (default: build/release, 5; four minutes)
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 build=${1:-$root/build/release}
@@ -31,13 +31,13 @@ print(f"| {sys.argv[1]} | {none['cells_out']:,.0f} | {removable['cells_out']:,.0
 EOF
 }
 
-cone() { # LEVEL MARKS...
-  local level=$1
-  shift
+cone() { # LEVEL MB MARKS...   MB: some 1 KB for each cell that comes out
+  local level=$1 megabytes=$2
+  shift 2
   for policy in none removable; do
     pamr-mark "$work/$policy.hdf" -o "$work/marked.hdf" --force --quiet "$@"
     for ((run = 0; run < repeats; ++run)); do
-      python3 -B "$root/bench/compare/warm_memory.py"
+      python3 -B "$root/bench/compare/warm_memory.py" "$megabytes"
       pamr-refine "$work/marked.hdf" -o "$work/$policy.hdf" --force --quiet --quality-control "$policy" \
         --json "$work/$policy-$run.json"
     done
@@ -66,9 +66,9 @@ pamr-mesh --shape blunt-cone -o "$work/none.hdf" --force --quiet
 cp "$work/none.hdf" "$work/removable.hdf"
 nose=(--centroid-shell 0.002,0,0,0,0.010)
 shock=(--centroid-shell 0.066,0,0,0.070)
-cone 1 --patch forebody "${nose[@]}" "${shock[@]},0.0100"
-cone 2 --patch forebody "${nose[@]}" "${shock[@]},0.0096"
-cone 3 "${nose[@]}" "${shock[@]},0.0053"
-cone 4 "${nose[@]}" "${shock[@]},0.0020"
+cone 1 200 --patch forebody "${nose[@]}" "${shock[@]},0.0100"
+cone 2 1100 --patch forebody "${nose[@]}" "${shock[@]},0.0096"
+cone 3 2700 "${nose[@]}" "${shock[@]},0.0053"
+cone 4 4000 "${nose[@]}" "${shock[@]},0.0020"
 echo
 echo "$(date +%F), commit $(git -C "$root" rev-parse --short HEAD), $(sed -n 's/^model name.*: //p' /proc/cpuinfo | head -1), $(nproc) cores, load $(cut -d' ' -f1 /proc/loadavg), medians of $repeats"

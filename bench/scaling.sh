@@ -57,7 +57,10 @@ rm -f "$out"/run-*.json "$out"/base-*.json "$out"/own-*.txt
 trap 'echo "scaling.sh: a run failed" >&2; exit 2' ERR
 
 refine() { # RANKS REPORT MESH
-  [ $size = tiny ] || python3 -B "$folder/compare/warm_memory.py"
+  case $size,$2 in # where seconds count
+    tiny,* | small,* | *,base-*) ;;
+    *) python3 -B "$folder/compare/warm_memory.py" ;;
+  esac
   mpirun -n "$1" pamr-refine "$3" -o "$out/refined.hdf" --force --quiet --balance "$balance" --each-rank \
     --json "$out/$2.json"
   rm -f "$out/refined.hdf"

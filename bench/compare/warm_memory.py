@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Before a benchmark: takes memory in large pages (4 GB, or a half of what is free) and gives it back. What a virtual
-machine has lent to its host comes back before a run, not in it (docs/reports/performance.md, "Runs that differ"). The
-host may take it again after two seconds."""
+"""Before a benchmark: takes memory in large pages (so many MB, 4000 unless told, or a half of what is free) and gives it
+back. What a virtual machine has lent to its host comes back before a run, not in it (docs/reports/performance.md, "Runs
+that differ"). The host may take it again after two seconds. 4 GB take six seconds."""
 
 import contextlib
 import mmap
 import pathlib
 import re
+import sys
 
 LARGE_PAGE = 1 << 21
 LEAST = 32 * LARGE_PAGE  # what an allocator keeps to itself, and caches hold
@@ -26,4 +27,4 @@ def warm_memory(size):
 
 
 if __name__ == "__main__":
-    warm_memory(4 << 30)
+    warm_memory(int(sys.argv[1] if len(sys.argv) > 1 else 4000) * 1000**2)

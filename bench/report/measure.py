@@ -16,6 +16,7 @@ import time
 FLAT_VOLUME_ERROR = 1e-9
 CELLS_BESIDE_OURS = (1 / 3, 6)  # of a code that did the same work by another algorithm
 HOLE_VOLUME = 4.0**3 - 4 / 3 * math.pi
+LIMIT_SECONDS = 15  # it takes four to measure
 MAX_SECONDS = 1800  # of one run
 MISSED = ("FAIL", "NOT AS EXPECTED")
 PEER_SECONDS = 240  # of one run of another code on a workload; the levels that it has printed by then count
@@ -34,9 +35,9 @@ def output_of(command, environment=None):
     return text
 
 
-def warm_memory():
+def warm_memory(megabytes=4000):
     """Allocates and frees memory, so that the host returns what it has reclaimed before a run, not during it."""
-    output_of([sys.executable, "-B", pathlib.Path(__file__).resolve().parent.parent / "compare/warm_memory.py"])
+    output_of([sys.executable, "-B", pathlib.Path(__file__).resolve().parent.parent / "compare/warm_memory.py", megabytes])
 
 
 def checked(text, errors, code):
@@ -150,6 +151,7 @@ class Bench:
         self.ours = build / "bench/bench_peer"
         self.refine = build / "bench/bench_refine"
         self.limit_size, self.repeats, self.budget = limit_size, repeats, budget
+        self.last_limit, self.limit_measured = None, -math.inf
 
     def turns(self):
         """Numbers of the runs to make of one code."""
@@ -159,10 +161,15 @@ class Bench:
                 yield turn
 
     def limit(self):
-        """Millions of cells a CPU second that this machine can write to memory at this moment."""
+        """Millions of cells a CPU second that this machine can write to memory at this moment: measured anew when that
+        was `LIMIT_SECONDS` ago."""
+        if time.monotonic() - self.limit_measured < LIMIT_SECONDS:
+            return self.last_limit
         text = output_of([self.refine, f"--benchmark_filter=^limit/{self.limit_size}/", "--benchmark_format=json"])
         runs = json.loads(text)["benchmarks"]
-        return next(run["Mcells_per_cpu_s"] for run in runs if run.get("aggregate_name") == "median")
+        self.last_limit = next(run["Mcells_per_cpu_s"] for run in runs if run.get("aggregate_name") == "median")
+        self.limit_measured = time.monotonic()
+        return self.last_limit
 
     def assess_ours(self, work):
         return lines_by_level(output_of([self.ours, *work.command(work.our_mesh), "assess"]))

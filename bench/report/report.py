@@ -7,6 +7,7 @@ import pathlib
 import re
 import subprocess
 import sys
+import time
 
 import tables
 from measure import Bench, Failed, load
@@ -154,8 +155,10 @@ def main(arguments):
     for name in names:
         if options.again or not is_made(context, name):
             print(f"report.sh: {name}", file=sys.stderr)
+            began = time.monotonic()
             if not make(context, name):
                 continue
+            print(f"report.sh: {name} took {time.monotonic() - began:.0f} s", file=sys.stderr)
         made.append(name)
         print(f"## {tables.TABLES[name].title}\n\n{file_of(context, name).read_text(encoding='utf-8')}", flush=True)
     if options.into_docs:

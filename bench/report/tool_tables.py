@@ -143,7 +143,7 @@ def file_table(context):
     alone, of_two, copies = [], [], []
     for _ in range(context.bench.repeats):
         for launcher, runs in ([], alone), (["mpirun", "-n", "2"], of_two):
-            warm_memory()
+            warm_memory(2700)
             began = time.monotonic()
             text, cpu = cpu_of([*launcher, *command], context.environment)
             runs.append((time.monotonic() - began, cpu, json.loads(text)))
