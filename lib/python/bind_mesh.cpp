@@ -21,6 +21,7 @@
 #include "pamr/io/elements/element_remarks.hpp"
 #include "pamr/io/foam/foam_order.hpp"
 #include "pamr/io/formats.hpp"
+#include "pamr/io/partial_file.hpp"
 #include "pamr/mesh/fingerprint.hpp"
 #include "pamr/mesh/inner_patches.hpp"
 #include "pamr/mesh/tet.hpp"
@@ -393,6 +394,8 @@ void bind_mesh(py::module_& module) {
   module.def("tags_of_patches", [](const std::vector<std::string>& names, const std::vector<std::int64_t>& numbers) {
     return io::patch_numbers(names, "patch_", 0, numbers, 0);
   });
+  module.def("write_complete",
+             [](const std::string& path, const py::bytes& bytes) { io::write_complete(path, std::string(bytes)); });
   module.def("kuhn_cube", kuhn_cube, py::call_guard<py::gil_scoped_release>());
 }
 

@@ -78,6 +78,16 @@ def test_fields_come_back_byte_for_byte():
             for name in "TU":
                 assert pathlib.Path(f"{case}/3/{name}").read_bytes() == pathlib.Path(f"{case}/4/{name}").read_bytes()
         COMM.barrier()
+    if COMM.rank == 0:  # what is replaced keeps its rights, and what cannot be written says why
+        os.chmod("case0/4/T", 0o640)
+        foam_file.write_bytes("case0/4/T", b"new")
+        assert os.stat("case0/4/T").st_mode & 0o777 == 0o640 and pathlib.Path("case0/4/T").read_bytes() == b"new"
+        assert sorted(os.listdir("case0/4")) == ["T", "U"]
+        try:
+            foam_file.write_bytes("nowhere/T", b"new")
+            raise AssertionError("written into a folder that is not there")
+        except pamr.Error as error:
+            assert "file 'nowhere/T': cannot create it: No such file or directory" in str(error), error
 
 
 def holds(triangle, point):

@@ -103,10 +103,7 @@ void write_whole(const std::string& path, const std::string& text) {
   std::error_code failed;
   const auto status = fs::status(path, failed);
   if (is_device(status)) return write_to_device(path, text);
-  io::PartialFile file(path);
-  (void)file.make(0);
-  file.write(text);
-  file.commit();
+  io::write_complete(path, text);
 }
 
 void write_whole(const par::Comm& comm, const std::string& path, const std::string& text) {

@@ -171,4 +171,11 @@ void PartialFile::discard() noexcept {
   remove_on_interrupt_.reset();
 }
 
+void write_complete(const std::filesystem::path& file, std::string_view text) {
+  PartialFile partial(file);
+  (void)partial.make(0);
+  partial.write(text);
+  partial.commit();
+}
+
 }  // namespace pamr::io

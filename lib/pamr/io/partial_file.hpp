@@ -65,4 +65,7 @@ class PartialFile {
   std::unique_ptr<RemoveOnInterrupt> remove_on_interrupt_;
 };
 
+/// Writes a file in one step: all of it or nothing arrives under the name. Throws `Error` as `PartialFile`. Local.
+void write_complete(const std::filesystem::path& file, std::string_view text);
+
 }  // namespace pamr::io

@@ -13,7 +13,7 @@ from typing import Optional, Union
 
 import numpy as np
 
-from ._core import Error
+from ._core import Error, write_complete
 
 COMPONENTS = {"scalar": 1, "vector": 3, "symmTensor": 6, "tensor": 9}
 _CLASS = re.compile(r"vol(Scalar|Vector|SymmTensor|Tensor)Field")
@@ -248,18 +248,8 @@ def class_of(path: str) -> str:
 
 
 def write_bytes(path: str, data: bytes) -> None:
-    """Writes a file in one step."""
-    partial = f"{path}.{os.getpid()}.partial"
-    try:
-        with open(partial, "wb") as file:
-            if os.path.exists(path):  # who could not read the old one cannot read the new one
-                os.fchmod(file.fileno(), os.stat(path).st_mode & 0o777)
-            file.write(data)
-        os.replace(partial, path)
-    except OSError:
-        if os.path.exists(partial):
-            os.remove(partial)
-        raise
+    """Writes a file in one step, with the rights of one that it replaces. Raises pamr.Error where the system refuses."""
+    write_complete(os.fsencode(path), data)
     if os.path.exists(path + ".gz"):
         os.remove(path + ".gz")  # OpenFOAM would read either
 
