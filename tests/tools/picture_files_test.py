@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""pamr-picture: what it refuses and says, and its files: complete or not there, whatever happens."""
+import contextlib
+import json
+import os
+import pathlib
+import re
+import resource
+import shutil
+import signal
+import stat
+import subprocess
+import sys
+import time
+
+import h5py
+import numpy as np
+
+from picture_tool_test import cubes, near, pixels
+from tool_run import BIN, LIMIT, add_cell_field, kuhn_cube, of_full_level, refuses, run, run_tests
+
+
+def test_wrong_words_are_one_clear_message():
+    coarse, _ = cubes()
+    pathlib.Path("there.png").write_text("mine")
+
+    for arguments, says in (
+            (["--feild", "x"], "unknown option --feild; did you mean --field?"),
+            (["--cut", "w=3"], "expected x, y, z or three numbers"),
+            (["--size", "big"], "expected WIDTHxHEIGHT"),
+            (["--range", "2,1", "--field", "x"], "expected two rising numbers"),
+            (["--whole-cells"], "expected --cut"),
+            (["--whole-cells", "--cut", "x=0.5", "--cells", "x<1"], "--cells: expected no --whole-cells"),
+            (["--cells", "x=1"], "expected a field, < or >, and a number"),
+            (["--cells", "x<nan"], "--cells: expected a number, found 'nan'"),
+            (["--mirror", "q"], "expected some of the letters x, y, z"),
+            (["--zoom", "1", "--zoom", "2"], "one for each of the 1")):
+        refuses("pamr-picture", coarse, "-o", "p.png", *arguments, says=[says], creates="p.png")
+    refuses("pamr-picture", coarse, "-o", "p.pdf", says=["p.pdf", ".png"], creates="p.pdf")
+    refuses("pamr-picture", coarse, "-o", "there.png", says=["--force"])
+    refuses("pamr-picture", coarse, "-o", coarse + ".png/p.png", says=["existing folder"])
+    assert pathlib.Path("there.png").read_text() == "mine"
+
+
+@of_full_level
+def test_names_that_are_not_there_are_one_clear_message():
+    coarse, _ = cubes()
+    pathlib.Path("bad.hdf").write_text("no mesh")
+    pathlib.Path("bad.vtu").write_text("no mesh")
+
+    for arguments, says in (
+            ([coarse, "--field", "temprature"], "unknown field 'temprature'; there are height, level, mean_ratio"),
+            ([coarse, "--field", "u:3"], "expected a component from 0 to 2"),
+            ([coarse, "--patch", "wall"], "unknown patch 'wall'; there are xmax, xmin"),
+            ([coarse, "--patch", "w*"], "unknown patch 'w*'; there are xmax, xmin"),
+            ([coarse, "--cells", "quality<1"], "unknown field 'quality'"),
+            ([coarse, "--cells", "level>3"], "expected something to draw"),
+            ([coarse, "--cut", "y=7"], "the mesh has y from 0 to 1"),
+            ([coarse, "--streamlines", "x"], "expected a field with 3 components"),
+            ([coarse, "--isolines", "3"], "expected a field with numbers"),
+            ([coarse, "--smooth", "3", "--field", "patch"], "expected a field with numbers"),
+            ([coarse, "--edges", "--no-edges"], "--edges or --no-edges"),
+            (["missing.hdf"], "found nothing of that name"),
+            (["bad.hdf"], "expected a native mesh"),
+            (["bad.vtu"], "bad.vtu': expected a file of VTK")):
+        refuses("pamr-picture", *arguments, "-o", "p.png", says=[says], creates="p.png")
+
+
+def children_of(pid):
+    with open(f"/proc/{pid}/task/{pid}/children") as file:
+        return file.read().split()
+
+
+def test_an_interrupt_says_so_and_leaves_nothing():
+    coarse, _ = cubes()
+    process = subprocess.Popen([str(BIN / "pamr-picture"), coarse, "-o", "p.png"], stderr=subprocess.PIPE, text=True)
+    until = time.monotonic() + LIMIT
+    while not children_of(process.pid) and time.monotonic() < until:  # it draws when it has started its screen
+        time.sleep(0.01)
+
+    process.send_signal(signal.SIGINT)
+    _, error = process.communicate(timeout=LIMIT)
+
+    assert process.returncode == 6 and error == "pamr-picture: interrupted: outputs that were not complete are removed\n", (process.returncode, error)
+    assert os.listdir(".") == [], os.listdir(".")
+
+
+@of_full_level
+def test_a_summary_arrives_or_is_an_error_and_a_replaced_picture_keeps_its_rights():
+    import picture
+    program = f"import sys; sys.path.append({str(pathlib.Path(picture.__file__).parent)!r}); import picture; picture.say('done')"
+    with open("/dev/full", "w", encoding="ascii") as full:
+        done = subprocess.run([sys.executable, "-c", program], stdout=full, stderr=subprocess.PIPE, text=True, timeout=LIMIT)
+    assert done.returncode == 1 and "Refused: standard output: not all that was printed" in done.stderr, done.stderr
+    pathlib.Path("a.png").touch(mode=0o600)
+    owner = (1234, 1235) if os.getuid() == 0 else (os.getuid(), os.getgid())
+    os.chown("a.png", *owner)
+    picture.write_whole("a.png", b"new")
+    made = os.stat("a.png")
+    assert pathlib.Path("a.png").read_bytes() == b"new" and stat.S_IMODE(made.st_mode) == 0o600 and (made.st_uid, made.st_gid) == owner
+
+
+def test_temporary_files_have_the_names_of_all_tools():
+    import files
+    coarse, _ = cubes()
+    ours = files.unfinished_name("p.png")
+    assert re.fullmatch(r"p\.png\.[-\w]+-[0-9a-f]{8}-\d+-\d+-\d+\.partial", ours)
+    tail = ours.rsplit("-", 3)[0]  # of this machine
+    dead, alive, another = f"{tail}-{2**22 + 1}-7-0.partial", ours, f"q{tail[1:]}-{2**22 + 1}-7-0.partial"
+    for name in (dead, alive, another, dead.replace("p.png", "m.hdf")):
+        pathlib.Path(name).touch()
+    for command in (["pamr-mesh", "--shape", "kuhn-cube", "--n", 1, "-o", "m.hdf"],  # knows the name that Python has made
+                    ["pamr-picture", coarse, "-o", "p.png"]):
+        with contextlib.suppress(AssertionError):  # of files that are left on purpose
+            run(*command, "--quiet")
+    assert sorted(name for name in os.listdir(".") if name.endswith(".partial")) == sorted([alive, another])
+    for name in (alive, another):
+        os.unlink(name)
+
+
+def test_an_error_after_the_picture_names_it():
+    coarse, _ = cubes()
+    result = run("pamr-picture", coarse, "-o", "p\n.png", "--json", "/dev/full", code=2)
+    assert result.err == "pamr-picture: error: /dev/full: cannot be written: No space left on device; complete: 'p\\n.png'\n", result.err
+
+
+def test_values_without_a_place_on_the_scale_are_counted():
+    kuhn_cube("n.hdf", 2)
+    add_cell_field("n.hdf", "v", np.where(np.arange(48) < 3, (np.nan, np.inf, -np.inf) * 16, np.arange(48.0) - 5))
+    for options, words in (((), ["3 of 48 values are not finite and drawn in gray"]),
+                           (("--log",), ["3 of 48 values are not finite", "3 of 48 values are not above 0"])):
+        said = run("pamr-picture", "n.hdf", "-o", "v.png", "--field", "v", "--force", *options).err
+        assert len(said.splitlines()) == len(words) and all(word in said for word in words), said
+    assert near(pixels("v.png"), (191, 191, 191)) > 500
+
+
+def test_a_report_goes_into_a_pipe_which_stays():
+    coarse, _ = cubes()
+    os.mkfifo("pipe")
+    reader = subprocess.Popen(["cat", "pipe"], stdout=subprocess.PIPE, text=True)
+    try:
+        run("pamr-picture", coarse, "-o", "p.png", "--json", "pipe", "--quiet")
+        text, _ = reader.communicate(timeout=LIMIT)
+    finally:
+        reader.kill()
+    assert json.loads(text)["picture"] == "p.png" and stat.S_ISFIFO(os.stat("pipe").st_mode)
+
+
+if __name__ == "__main__":
+    cubes()
+    run_tests(globals(), at_once=2)
