@@ -66,6 +66,16 @@ def test_names_that_are_not_there_are_one_clear_message():
         refuses("pamr-picture", *arguments, "-o", "p.png", says=[says], creates="p.png")
 
 
+def error_of(function, *arguments):
+    """The words with which it is refused; in this process, which is quick."""
+    from refused import Refused
+    try:
+        function(*arguments)
+    except Refused as wrong:
+        return str(wrong)
+    raise AssertionError((arguments, "not refused"))
+
+
 def children_of(pid):
     with open(f"/proc/{pid}/task/{pid}/children") as file:
         return file.read().split()
@@ -83,6 +93,74 @@ def test_an_interrupt_says_so_and_leaves_nothing():
 
     assert process.returncode == 6 and error == "pamr-picture: interrupted: outputs that were not complete are removed\n", (process.returncode, error)
     assert os.listdir(".") == [], os.listdir(".")
+
+
+def in_child(function):
+    """The exit code of a process that calls it."""
+    child = os.fork()
+    if child == 0:
+        try:
+            function()
+        finally:
+            os._exit(99)
+    return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+
+
+def test_closed_streams_lose_nothing():
+    import files
+    import picture
+    pathlib.Path("p.partial").touch()
+
+    def interrupted_where_nobody_reads():
+        reading, writing = os.pipe()
+        os.close(reading)
+        os.dup2(writing, 2)
+        files.unfinished.append("p.partial")
+        picture.interrupt(signal.SIGINT, None)
+
+    def opens_a_file():
+        os.close(0)
+        os.close(2)
+        files.keep_standard_streams()
+        os._exit(os.open("new", os.O_CREAT | os.O_WRONLY) < 3)
+
+    assert in_child(interrupted_where_nobody_reads) == 6 and not os.path.exists("p.partial")
+    assert in_child(opens_a_file) == 0, "what is said would be in the file"
+    for option in ("--help", "--version"):
+        with open("/dev/full", "w", encoding="ascii") as full:
+            done = subprocess.run([BIN / "pamr-picture", option], stdout=full, stderr=subprocess.PIPE, timeout=LIMIT)
+        assert done.returncode == 2 and done.stderr.startswith(b"pamr-picture: error: standard output: not all "), done
+
+
+def test_writes_fail_with_the_words_of_all_tools_and_leave_nothing():
+    import files
+    os.symlink("/dev/full", "full.png")
+    refuses("pamr-picture", kuhn_cube("m.hdf", 1), "-o", "full.png", says=["full.png: expected a regular file"])
+    error = error_of(files.write_whole, "none/p.png", b"new")
+    assert error == "file 'none/p.png': cannot create it: No such file or directory", error
+    pathlib.Path("old").write_bytes(b"old")
+    limit = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (5, limit[1]))
+    error = error_of(files.write_whole, "old", b"new and long")
+    resource.setrlimit(resource.RLIMIT_FSIZE, limit)
+    assert error == "file 'old': cannot write it: File too large" and pathlib.Path("old").read_bytes() == b"old", error
+    assert sorted(os.listdir()) == ["full.png", "m.hdf", "old"], os.listdir()
+    files.remove_leftovers("none/p.png", [])  # in a folder that cannot be listed
+
+
+def test_names_of_any_bytes_are_drawn_and_reported():
+    name = os.fsdecode(b"n\xff$\\frac$\n.hdf")
+    kuhn_cube(name, 1)
+    with h5py.File(name, "r+") as file:
+        file["PAMR/patches/names"][0] = "\u03bb"
+    os.environ.update(LC_ALL="POSIX", PYTHONUTF8="0", PYTHONCOERCECLOCALE="0")  # letters of ASCII alone
+
+    done = run("pamr-picture", name, "-o", "p.png", "--size", "300x300", "--field", "patch", "--quiet", "--json",
+               "r.json")
+
+    report = json.loads(pathlib.Path("r.json").read_text(encoding="utf-8"))
+    assert done.err == "" and report["report"]["inputs"] == ["n\ufffd$\\frac$\n.hdf"], (done.err, report)
+    assert "\u03bb" in report["meshes"][0]["patches"], report
 
 
 @of_full_level

@@ -8,6 +8,7 @@ import shutil
 import numpy as np
 
 import palettes
+from files import say
 from refused import Refused
 from view import CUT_VIEWS, NAMED, Plane, unit, view_of
 
@@ -23,6 +24,9 @@ Exit codes: 0 done; 2 bad usage or bad input; 3 internal failure; 6 interrupted.
 
 class Parser(argparse.ArgumentParser):
     """Ends with one line that says what is wrong, as all tools do."""
+
+    def _print_message(self, message, file=None):
+        say(message.rstrip("\n"))
 
     def error(self, message):
         unknown = re.match(r"unrecognized arguments: (.*)", message)

@@ -21,6 +21,30 @@ def one_line(text):
     return "".join("\\n" if c == "\n" else f"\\x{ord(c):02x}" if ord(c) < 0x20 or 0x7f <= ord(c) < 0xa0 else c for c in text)
 
 
+def as_unicode(text):
+    """File names need not be UTF-8; JSON and the texts of a picture must be."""
+    return text.encode(errors="surrogateescape").decode(errors="replace")
+
+
+def keep_standard_streams():
+    """As tools/cli/standard_output.cpp: no file takes the number of a closed stream, and with it what is said there."""
+    for number in range(3):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.open(os.devnull, os.O_RDONLY if number else os.O_WRONLY)
+
+
+def say(text):
+    """Prints a line that has to arrive. Where there is no standard output nobody listens."""
+    try:
+        print(text, flush=True)
+    except OSError as wrong:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # else Python tries once more when it ends
+        if wrong.errno != errno.EBADF:
+            raise Refused(f"standard output: not all that was printed could be written: {wrong.strerror}") from None
+
+
 def tell(text):
     """A line of standard error, which nobody has to read."""
     with contextlib.suppress(OSError):
@@ -58,8 +82,10 @@ def check_input(path):
         raise Refused(f"{path}: cannot be read: {os.strerror(errno.EACCES)}")
 
 
-def check_output(path, inputs, outputs, force):
+def check_output(path, inputs, outputs, force=True):
     """Refuses what cannot become this output; before work starts, for each output."""
+    if is_device(path):
+        return
     for kind, others in (("input", inputs), ("output", outputs)):
         for other in others:
             if is_same_file(path, other):
@@ -70,7 +96,8 @@ def check_output(path, inputs, outputs, force):
     if not os.path.isdir(folder):
         raise Refused(f"{path}: expected an existing folder to write into, found none named {folder}")
     if not os.access(folder, os.W_OK | os.X_OK):
-        raise Refused(f"{path}: the folder {folder} cannot be written")
+        reason = errno.EROFS if os.statvfs(folder).f_flag & os.ST_RDONLY else errno.EACCES
+        raise Refused(f"{path}: the folder {folder} cannot be written: {os.strerror(reason)}")
     if os.path.exists(path) and not force:
         raise Refused(f"{path}: the output file exists already (--force replaces it)")
     remove_leftovers(path, inputs)
@@ -131,7 +158,10 @@ def has_ended(of_machine, process, start, path):
 def remove_leftovers(path, keep):
     """Temporary files of this output whose process was killed."""
     folder, name = os.path.split(path)
-    for found in os.listdir(folder or "."):
+    names = []
+    with contextlib.suppress(OSError):  # a folder may be written that cannot be listed
+        names = os.listdir(folder or ".")
+    for found in names:
         parts = re.fullmatch(r"(.*)\.[^.]*-([0-9a-f]+)-(\d+)-(\d+)-\d+\.partial", found, re.DOTALL)
         is_cut = len(os.fsencode(found)) + 4 > LONGEST_NAME
         if not parts or not (parts[1] == name or is_cut and parts[1] and name.startswith(parts[1])):
@@ -161,30 +191,48 @@ def remove(path):
             os.unlink(path)
 
 
-def write_whole(path, content):
-    """All of it or nothing arrives under the name; a device or pipe is written directly."""
-    partial = unfinished_name(path)
+@contextlib.contextmanager
+def refused_as(words):
+    """The error of a system call that is to fail with these words."""
     try:
-        if is_device(path):
-            with open(path, "wb", buffering=0) as device:
-                while content:
-                    content = content[device.write(content):]
-            return
-        unfinished.append(partial)
-        rights = os.stat(path) if os.path.exists(path) else None
-        # nobody else reads it before it has the rights of the old one
-        flags = os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW
-        with open(os.open(partial, flags, 0o600 if rights else 0o666), "wb") as file:
-            file.write(content)
-            if rights:
-                set_rights(file.fileno(), rights)
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(partial, path)
-        complete.append(path)
+        yield
     except OSError as wrong:
-        raise Refused(f"{path}: cannot be written: {wrong.strerror}") from None
+        raise Refused(f"{words}: {wrong.strerror}") from None
+
+
+def write_all(file, content):
+    while content:
+        content = content[file.write(content):]
+
+
+def write_whole(path, content):
+    """All of it or nothing arrives under the name; a device or pipe is written directly. The words of an error are
+    those of lib/pamr/io/partial_file.cpp."""
+    if is_device(path):
+        with refused_as(f"{path}: cannot be opened for writing"):
+            device = os.open(path, os.O_WRONLY)
+        with refused_as(f"{path}: cannot be written"), open(device, "wb", buffering=0) as file:
+            write_all(file, content)
+        return
+    partial, name = unfinished_name(path), f"file '{path}'"
+    unfinished.append(partial)
+    try:
+        with refused_as(f"{name}: cannot create it"):
+            rights = os.stat(path) if os.path.exists(path) else None
+            # nobody else reads it before it has the rights of the old one
+            flags = os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW
+            made = os.open(partial, flags, 0o600 if rights else 0o666)
+        with open(made, "wb", buffering=0) as file:
+            with refused_as(f"{name}: cannot write it"):
+                write_all(file, content)
+            with refused_as(f"{name}: cannot give it the rights of the file that it replaces"):
+                if rights:
+                    set_rights(made, rights)
+            with refused_as(f"{name}: cannot flush it to the disk"):
+                os.fsync(made)
+        with refused_as(f"{name}: cannot rename it when complete"):
+            os.replace(partial, path)
+        complete.append(path)
     finally:
-        if partial in unfinished:
-            remove(partial)
-            unfinished.remove(partial)
+        remove(partial)
+        unfinished.remove(partial)

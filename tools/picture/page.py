@@ -5,6 +5,7 @@ import re
 
 import matplotlib
 matplotlib.use("Agg")
+matplotlib.rcParams["text.parse_math"] = False  # a name may have a $
 import matplotlib.colors
 import matplotlib.figure
 import matplotlib.patches
@@ -13,6 +14,7 @@ import matplotlib.ticker
 import numpy as np
 
 import palettes
+from files import as_unicode, one_line
 from refused import Refused
 from view import axis_text
 
@@ -22,8 +24,15 @@ TITLE, LEGEND, MARGIN, AXIS, BAR = 62, 34, 14, 62, 112  # pixels
 TITLE_SIZE = 11  # of the scale, points
 
 
+def plain(text):
+    """A name of any bytes, to draw."""
+    return one_line(as_unicode(text))
+
+
 def wrapped(title, width):
     """The title in lines of at most so many pixels, broken after blanks and underscores; longer words stand alone."""
+    title = as_unicode(title)
+
     def length(text):
         return matplotlib.textpath.TextPath((0, 0), text.rstrip() or " ", TITLE_SIZE).get_extents().x1 * DPI / 72
     lines = [""]
@@ -100,7 +109,7 @@ def length_unit(mesh_unit, size):
         for unit, factor in (("m", 1.0), ("mm", 1e3), ("um", 1e6), ("nm", 1e9)):
             if size * factor >= 1:
                 return unit, factor
-    return "" if mesh_unit == "1" else mesh_unit, 1.0  # 1: lengths without a unit
+    return "" if mesh_unit == "1" else plain(mesh_unit), 1.0  # 1: lengths without a unit
 
 
 class Page:
@@ -190,7 +199,8 @@ class Page:
     def add_title(self, column, left, title, below):
         """Over a column whose panels begin at this pixel."""
         x = left if self.has_axes else MARGIN + column * self.cell_width
-        self.figure.text(x / self.width, 1 - 26 / self.height, title, fontsize=15, weight="bold", color=INK, va="center")
+        self.figure.text(x / self.width, 1 - 26 / self.height, plain(title), fontsize=15, weight="bold", color=INK,
+                         va="center")
         self.figure.text(x / self.width, 1 - 48 / self.height, below, fontsize=11, color=INK, va="center")
 
     def add_bar(self, coloring, title, after):
@@ -223,8 +233,8 @@ class Page:
                          "\n".join(wrapped(title, self.width - left)), fontsize=TITLE_SIZE, color=INK, va="bottom")
 
     def add_legend(self, names, colors, edges):
-        handles = [matplotlib.patches.Patch(facecolor=np.asarray(c) / 255, edgecolor=np.asarray(e) / 255, label=n)
-                   for n, c, e in zip(names, colors, edges)]
+        handles = [matplotlib.patches.Patch(facecolor=np.asarray(c) / 255, edgecolor=np.asarray(e) / 255,
+                                            label=plain(n)) for n, c, e in zip(names, colors, edges)]
         self.figure.legend(handles=handles, loc="lower center", ncol=min(len(handles), 10), frameon=False, fontsize=11,
                            labelcolor=INK, handlelength=1.4)
 

@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """pamr-picture: from the command line to the file."""
-import errno
 import io
 import json
 import os
@@ -9,43 +8,33 @@ import sys
 import warnings
 
 import files
-from files import check_input, check_output, is_device, one_line, tell, write_whole
+from files import as_unicode, check_input, check_output, is_device, one_line, say, tell, write_whole
 from refused import Refused
 
 TOOL = "pamr-picture"
+SIGNALS = signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGUSR1
 
 
 def interrupt(_number, _frame):
     """Ends the process here: an exception could be lost in a destructor. The screen ends with its parent."""
-    text = f"{TOOL}: interrupted: outputs that were not complete are removed{files.complete_text()}\n"
-    os.write(2, os.fsencode(text))
     for path in files.unfinished:
         files.remove(path)
+    tell(f"{TOOL}: interrupted: outputs that were not complete are removed{files.complete_text()}")
     os._exit(6)
 
 
 def check_files(o):
     for mesh in o.meshes:
         check_input(mesh)
-    check_output(o.output, o.meshes, [], o.force)
     if is_device(o.output):
         raise Refused(f"{o.output}: expected a regular file to replace, found a device or pipe")
-    if o.json and o.json != "-" and not is_device(o.json):
-        check_output(o.json, o.meshes, [o.output], True)
+    check_output(o.output, o.meshes, [], o.force)
+    if o.json and o.json != "-":
+        check_output(o.json, o.meshes, [o.output])
 
 
 def warn(text, what="warning"):
     tell(f"{TOOL}: {what}: {text}")
-
-
-def say(text):
-    """Prints a line that has to arrive. Where there is no standard output nobody listens."""
-    try:
-        print(text, flush=True)
-    except OSError as wrong:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # else Python tries once more when it ends
-        if wrong.errno != errno.EBADF:
-            raise Refused(f"standard output: not all that was printed could be written: {wrong.strerror}") from None
 
 
 def extent_of(subjects, view, focus, zoom):
@@ -189,8 +178,7 @@ def run(arguments, version):
         warn(text)
     write_whole(o.output, picture)
     report = {"report": {"tool": "pamr-picture", "version": version, "commit": "", "format": 1, "inputs": o.meshes}} | report
-    # File names need not be UTF-8; JSON must be.
-    text = os.fsencode(json.dumps(report, indent=2, ensure_ascii=False)).decode(errors="replace")
+    text = as_unicode(json.dumps(report, indent=2, ensure_ascii=False))
     if o.json == "-":
         say(text)
     elif o.json:
@@ -207,8 +195,11 @@ def run(arguments, version):
 def main(arguments, version):
     """The exit code, as of all tools. One process draws: of an MPI job the first."""
     if any(os.environ.get(name, "0") != "0" for name in ("OMPI_COMM_WORLD_RANK", "PMI_RANK", "PMIX_RANK")):
+        for number in SIGNALS:  # what comes now changes nothing that is done
+            signal.signal(number, signal.SIG_IGN)
         return 0
-    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGUSR1):
+    files.keep_standard_streams()
+    for number in SIGNALS:
         if number != signal.SIGHUP or signal.getsignal(number) != signal.SIG_IGN:  # nohup
             signal.signal(number, interrupt)
     if sys.stdout is not None:
