@@ -76,6 +76,31 @@ def error_of(function, *arguments):
     raise AssertionError((arguments, "not refused"))
 
 
+def test_options_that_would_be_ignored_are_refused_with_both_names():
+    import command_line
+    field, patch = ["--field", "size"], ["--field", "patch"]
+    for words, says in (
+            (["--edges", "--no-edges"], "expected --edges or --no-edges, found both"),
+            (["--cut", "x=1", "--cut", "y=0"], "--cut: expected one, found 'x=1' and 'y=0'"),
+            (["-o", "q.png"], "-o: expected one, found 'p.png' and 'q.png'"),
+            (["--cut", ""], "--cut: expected a plane such as y=0.2 or 1,1,0=0.2, found ''"),
+            (["--cells", ""], "--cells: expected a field, < or >, and a number"),
+            ([*field, "--range", ""], "--range: expected 2 numbers"),
+            (["--up", ""], "--up: expected"),
+            ([*field, "--log", "--isolines", "-1,2"], "--isolines: expected values above 0 with --log, found -1"),
+            ([*patch, "--cut", "x=1"], "--field patch: expected --patch beside --cut, "),
+            ([*patch, "--cells", "size<1"], "--field patch: expected --patch beside --cells, "),
+            *(([*words, *others], f"{words[0]}: expected a field with numbers (--field), found {what}")
+              for words in (["--scale", "1"], ["--map", "viridis"], ["--smooth", "0"], ["--title", ""], ["--log"])
+              for others, what in (([], "none"), (patch, "patch"))),
+            ([*field, "--scale", "big"], "--scale: expected a number, found 'big'"),
+            ([*field, "--smooth", "1.5"], "--smooth: expected a whole number, found '1.5'")):
+        error = error_of(command_line.read, ["m.hdf", "-o", "p.png", *words], "0")
+        assert says in error, (words, error)
+    o = command_line.read(["a.hdf", "-o", "p.png", "b.hdf", "--field", "patch", "--cut", "x=1", "--patch", "all"], "0")
+    assert (o.meshes, o.scale, o.map, o.smooth) == (["a.hdf", "b.hdf"], 1, "viridis", None), o
+
+
 def children_of(pid):
     with open(f"/proc/{pid}/task/{pid}/children") as file:
         return file.read().split()

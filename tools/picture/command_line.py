@@ -22,8 +22,21 @@ EXAMPLES = """examples:
 Exit codes: 0 done; 2 bad usage or bad input; 3 internal failure; 6 interrupted."""
 
 
+class Once(argparse.Action):
+    """An option with one value, of which the last would count."""
+
+    def __call__(self, parser, namespace, values, option_string=None):
+        if getattr(namespace, self.dest) is not None:
+            parser.error(f"{option_string}: expected one, found '{getattr(namespace, self.dest)}' and '{values}'")
+        setattr(namespace, self.dest, values)
+
+
 class Parser(argparse.ArgumentParser):
     """Ends with one line that says what is wrong, as all tools do."""
+
+    def __init__(self, *arguments, **options):
+        super().__init__(*arguments, **options)
+        self.register("action", None, Once)
 
     def _print_message(self, message, file=None):
         say(message.rstrip("\n"))
@@ -35,6 +48,8 @@ class Parser(argparse.ArgumentParser):
             near = difflib.get_close_matches(first.split("=")[0], self._option_string_actions, 1)
             message = f"unknown option {first}" + (f"; did you mean {near[0]}?" if near else "")
         message = re.sub(r"argument (?:-o/--output|(\S+)): ", lambda m: (m.group(1) or "-o") + ": ", message)
+        for kind, what in (("int", "a whole number"), ("float", "a number")):
+            message = message.replace(f"invalid {kind} value: ", f"expected {what}, found ")
         raise Refused(f"{message} (see {self.prog} --help)")
 
 
@@ -103,16 +118,16 @@ def parser(version):
     what.add_argument("--whole-cells", action="store_true", help="with --cut: the complete cells behind the plane")
     what.add_argument("--cells", metavar="CONDITION", help="the complete cells where a field is below or above a number: "
                       "'mean_ratio<0.2', 'level>2'; with --cut those behind the plane, in place of the section")
-    what.add_argument("--mirror", default="", metavar="AXES", help="also the images in x = 0, y = 0, z = 0: x, xy, ...")
+    what.add_argument("--mirror", metavar="AXES", help="also the images in x = 0, y = 0, z = 0: x, xy, ...")
     what.add_argument("--edges", action=argparse.BooleanOptionalAction, help="edges of the cells (default: without --field)")
     colors = line.add_argument_group("colors")
     colors.add_argument("--field", metavar="NAME", help="color by this field; NAME:x or NAME:0 is a component, a vector without "
                         "one its length; also level, patch, mean_ratio, size (default: edges by level)")
-    colors.add_argument("--scale", type=float, default=1.0, metavar="F", help="multiply the field by this")
+    colors.add_argument("--scale", type=float, metavar="F", help="multiply the field by this")
     colors.add_argument("--title", metavar="TEXT", help="of the scale of colors")
     colors.add_argument("--range", metavar="LOW,HIGH", help="ends of the scale (default: of what is seen)")
     colors.add_argument("--log", action="store_true", help="logarithmic scale")
-    colors.add_argument("--map", default="viridis", choices=palettes.MAPS, help="default viridis")
+    colors.add_argument("--map", choices=palettes.MAPS, help="default viridis")
     colors.add_argument("--smooth", type=int, metavar="N", help="show means on the nodes, averaged N times more")
     colors.add_argument("--isolines", metavar="V,V,...", help="lines of these values, or a number of lines")
     colors.add_argument("--streamlines", metavar="FIELD", help="lines along a vector field; in the plane of a cut or flat patch")
@@ -169,45 +184,58 @@ def for_each_view(views, given, what, default):
     return given if len(given) == len(views) else (given or [default]) * len(views)
 
 
+def require_partners(o, arguments):
+    """Refuses options that others make void."""
+    if o.whole_cells and o.cut is None:
+        raise Refused("--whole-cells: expected --cut beside it, found none")
+    if o.whole_cells and o.cells is not None:
+        raise Refused("--cells: expected no --whole-cells beside it, which shows all cells behind the plane")
+    for option in ("isolines", "range", "log", "scale", "title", "map", "smooth"):
+        value = getattr(o, option)
+        if value is not None and value is not False and o.field in (None, "patch"):
+            raise Refused(f"--{option}: expected a field with numbers (--field), found {o.field or 'none'}")
+    hiding = "--cut" if o.cut is not None else "--cells"
+    if o.field == "patch" and o.patch is None and not o.cut is o.cells is None:
+        raise Refused(f"--field patch: expected --patch beside {hiding}, which shows no patch else, found none")
+    if {"--edges", "--no-edges"} <= set(arguments):
+        raise Refused("expected --edges or --no-edges, found both")
+
+
 def read(arguments, version):
     """The options, checked as far as they can be without a mesh."""
-    o = parser(version).parse_args(joined(arguments))
+    o = parser(version).parse_intermixed_args(joined(arguments))
     if not o.output.lower().endswith(".png"):
-        raise Refused(f"{o.output}: -o: expected the name of a picture that ends in .png")
+        raise Refused(f"-o: expected the name of a picture that ends in .png, found '{o.output}'")
+    require_partners(o, arguments)
     if o.label is not None and len(o.label) != len(o.meshes):
         raise Refused(f"--label: expected one for each of the {len(o.meshes)} meshes, found {len(o.label)}")
-    if o.whole_cells and not o.cut:
-        raise Refused("--whole-cells: expected --cut, found none")
-    if o.whole_cells and o.cells:
-        raise Refused("--cells: expected no --whole-cells beside it, which shows all cells behind the plane")
-    o.condition = condition(o.cells) if o.cells else None
+    o.condition = None if o.cells is None else condition(o.cells)
+    o.mirror = o.mirror or ""
     if set(o.mirror) - set("xyz") or len(set(o.mirror)) != len(o.mirror):
         raise Refused(f"--mirror: expected some of the letters x, y, z, found '{o.mirror}'")
+    o.scale = 1.0 if o.scale is None else o.scale
     if not (np.isfinite(o.scale) and o.scale != 0):
         raise Refused(f"--scale: expected a number other than 0, found {o.scale:g}")
     if o.smooth is not None and not 0 <= o.smooth <= 100:
         raise Refused(f"--smooth: expected 0 to 100, found {o.smooth}")
-    o.plane, cut_view = plane(o.cut) if o.cut else (None, None)
-    up = direction(o.up, "--up") if o.up else None
+    o.plane, cut_view = (None, None) if o.cut is None else plane(o.cut)
+    up = None if o.up is None else direction(o.up, "--up")
     o.views = [view_of(direction(text, "--camera"), up) for text in o.camera or []]
     if not o.views:
-        o.views = [view_of(cut_view.toward, up) if up is not None else cut_view] if o.cut else [view_of(NAMED["iso"], up)]
+        o.views = [cut_view if cut_view and up is None else view_of(cut_view.toward if cut_view else NAMED["iso"], up)]
     if o.plane is not None and o.plane.normal @ o.views[0].toward < -1e-9:
         o.plane = Plane(-o.plane.normal, -o.plane.offset)  # what is on the camera's side goes
     o.focus = for_each_view(o.views, [np.array(numbers(f, "--focus", 3)) for f in o.focus or []], "--focus", None)
     o.zoom = for_each_view(o.views, o.zoom or [], "--zoom", 1.0)
     if not all(np.isfinite(zoom) and zoom > 0 for zoom in o.zoom):
         raise Refused(f"--zoom: expected numbers above 0, found {', '.join(f'{zoom:g}' for zoom in o.zoom)}")
-    o.range = numbers(o.range, "--range", 2) if o.range else None
+    o.map = o.map or palettes.MAPS[0]
+    o.range = None if o.range is None else numbers(o.range, "--range", 2)
     if o.range and o.range[0] >= o.range[1]:
         raise Refused(f"--range: expected two rising numbers, found {o.range[0]:g} and {o.range[1]:g}")
     o.isolines = isolines(o.isolines)
-    for option, is_given in (("--isolines", o.isolines), ("--range", o.range), ("--log", o.log), ("--scale", o.scale != 1), ("--title", o.title),
-                             ("--map", o.map != palettes.MAPS[0]), ("--smooth", o.smooth is not None)):
-        if is_given and o.field in (None, "patch"):
-            raise Refused(f"{option}: expected a field with numbers (--field), found none")
-    if {"--edges", "--no-edges"} <= set(arguments):
-        raise Refused("expected --edges or --no-edges, found both")
+    if o.log and not isinstance(o.isolines, int) and any(value <= 0 for value in o.isolines):
+        raise Refused(f"--isolines: expected values above 0 with --log, found {o.isolines[0]:g}")
     o.size_is_given = o.size is not None
     o.size = size_of(o.size, len(o.views), len(o.meshes))
     return o

@@ -67,7 +67,7 @@ def counts(subject):
 
 
 def title_of(o, subjects):
-    if o.title:
+    if o.title is not None:
         return o.title
     unit = next((s.values.unit for s in subjects if s.values.unit), "") if o.scale == 1 else ""
     return f"{o.field}, {unit}" if unit else o.field
