@@ -101,6 +101,28 @@ def test_options_that_would_be_ignored_are_refused_with_both_names():
     assert (o.meshes, o.scale, o.map, o.smooth) == (["a.hdf", "b.hdf"], 1, "viridis", None), o
 
 
+def test_damaged_meshes_are_bad_input():
+    import mesh_files
+    import values
+    kuhn_cube("sound.hdf", 1)
+    nodes, points, neighbors = "VTKHDF/Connectivity", "VTKHDF/Points", "PAMR/cell_to_cell"
+    damages = ((nodes, np.full(24, 8)), (nodes, np.full(24, -1)), (nodes, np.arange(7)), (nodes, np.empty(0, int)),
+               (points, np.zeros((8, 2))), (points, np.full((8, 3), np.nan)), (neighbors, np.zeros(9, int)),
+               (neighbors, np.full((6, 4), -99)), ("PAMR/lineage", np.zeros(3, "u8")))
+    fields = (np.zeros(7), np.full(6, b"a"), np.zeros((6, 3, 3)), np.zeros(6, complex), 3.0)
+    for i, (name, data) in enumerate(damages + tuple((f"VTKHDF/CellData/q{k}", data) for k, data in enumerate(fields))):
+        shutil.copy("sound.hdf", "bad.hdf")
+        with h5py.File("bad.hdf", "r+") as file:
+            if name in file:
+                del file[name]
+            file[name] = data
+        if i < len(damages):
+            assert error_of(mesh_files.read, "bad.hdf").startswith("bad.hdf: expected "), name
+        else:
+            error = error_of(values.values_of, mesh_files.read("bad.hdf"), name[-2:])
+            assert f"field '{name[-2:]}': expected 6 rows of real numbers, found " in error, error
+
+
 def children_of(pid):
     with open(f"/proc/{pid}/task/{pid}/children") as file:
         return file.read().split()

@@ -98,8 +98,8 @@ def read_native(file):
                 return native_of(file, data)
     except OSError as wrong:
         raise Refused(f"{file}: expected a native mesh (HDF5): {wrong}") from None
-    except KeyError as missing:
-        raise Refused(f"{file}: expected a native mesh: {missing.args[0]}") from None
+    except (KeyError, ValueError, TypeError, IndexError) as wrong:
+        raise Refused(f"{file}: expected a native mesh: {wrong.args[0]}") from None
     return read_by_convert(file)  # of another program, or without neighbors
 
 
@@ -110,6 +110,7 @@ def levels_of(own):
 
 
 def native_of(file, data):
+    import h5py
     grid, own = data["VTKHDF"], data["PAMR"]
     points, cells = grid["Points"][:].astype(float), grid["Connectivity"][:].reshape(-1, 4)
     if (grid["Types"][:] != 10).any():
@@ -117,7 +118,7 @@ def native_of(file, data):
     more = {"cell_fields": {}, "node_fields": {}, "units": {}}
     for group, key in (("CellData", "cell_fields"), ("PointData", "node_fields")):
         for name, field in grid.get(group, {}).items():
-            more[key][name] = field[:]
+            more[key][name] = field[()] if isinstance(field, h5py.Dataset) else np.empty(0)
             if "unit" in field.attrs:
                 more["units"][name] = text_of(field.attrs["unit"])
     more["level"] = levels_of(own) if "lineage" in own else np.zeros(len(cells), int)
@@ -277,6 +278,21 @@ READERS = {**dict.fromkeys(NATIVE, read_native), **dict.fromkeys(BY_VTK, read_by
            **dict.fromkeys(MAYBE_BY_VTK, read_by(read_by_vtk)), **dict.fromkeys(MAYBE_BY_MESHIO, read_by(read_by_meshio))}
 
 
+def require_sound(mesh):
+    """What is drawn needs; a mesh may be wrong in other ways."""
+    def require(is_true, expected):
+        if not is_true:
+            raise Refused(f"{mesh.file}: expected {expected}, found others")
+    n = len(mesh.points)
+    require(mesh.points.shape == (n, 3) and np.isfinite(mesh.points).all(), "finite coordinates x, y and z")
+    require(mesh.n_rows > 0, "cells or triangles")
+    for rows in (mesh.cells, mesh.faces):
+        require(not rows.size or 0 <= rows.min() and rows.max() < n, f"numbers of nodes from 0 to {n - 1}")
+    n_patches = len(mesh.patches)
+    require(not len(mesh.faces) or mesh.face_patch.max() < n_patches, f"patches from 0 to {n_patches - 1}")
+    require(mesh.level is None or len(mesh.level) == mesh.n_rows, f"{mesh.n_rows} lineages, one of each cell")
+
+
 def read(file):
     """The mesh of a file; the extension decides who reads it."""
     if not os.path.exists(file):
@@ -285,6 +301,5 @@ def read(file):
         raise Refused(f"{file}: expected a mesh file, found a device")
     extension = "" if os.path.isdir(file) else os.path.splitext(file)[1].lower()
     mesh = READERS.get(extension, read_by_convert)(file)
-    if not np.isfinite(mesh.points).all():
-        raise Refused(f"{file}: expected finite coordinates, found others")
+    require_sound(mesh)
     return mesh

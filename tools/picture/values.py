@@ -61,6 +61,18 @@ def component_of(mesh, name, rows, component):
     return rows if rows.ndim == 1 else np.linalg.norm(rows, axis=1)
 
 
+def rows_of(mesh, name):
+    """The field as real numbers, whether it is one of nodes, and whether its numbers are whole; None if unknown."""
+    for fields, on_nodes, n in ((mesh.cell_fields, False, mesh.n_rows), (mesh.node_fields, True, len(mesh.points))):
+        if name in fields:
+            rows = fields[name]
+            if rows.dtype.kind not in "biuf" or rows.ndim not in (1, 2) or len(rows) != n or not rows.size:
+                raise Refused(f"{mesh.file}: field '{name}': expected {n} rows of real numbers, found {rows.dtype} of "
+                              f"shape {rows.shape}")
+            return rows.astype(float), on_nodes, np.issubdtype(rows.dtype, np.integer)
+    return None, False, False
+
+
 def values_of(mesh, wanted):
     """The field `NAME` or `NAME:COMPONENT`; the length of a vector without a component. A cell field comes before a nodal
     one of the same name, as in pamr-mark, and both before what is computed."""
@@ -68,10 +80,9 @@ def values_of(mesh, wanted):
     if wanted not in mesh.cell_fields and wanted not in mesh.node_fields and ":" in wanted:
         name, component = wanted.rsplit(":", 1)
     unit = {"1": ""}.get(mesh.units.get(name, ""), mesh.units.get(name, ""))
-    for fields, on_nodes in ((mesh.cell_fields, False), (mesh.node_fields, True)):
-        if name in fields:
-            is_whole = not on_nodes and np.issubdtype(fields[name].dtype, np.integer)
-            return Values(component_of(mesh, name, fields[name].astype(float), component), on_nodes, unit, is_whole)
+    rows, on_nodes, is_whole = rows_of(mesh, name)
+    if rows is not None:
+        return Values(component_of(mesh, name, rows, component), on_nodes, unit, is_whole and not on_nodes)
     if name == "level" and mesh.level is not None:
         return Values(mesh.level.astype(float), False, is_whole=True)
     if name in COMPUTED:
