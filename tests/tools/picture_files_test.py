@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """pamr-picture: what it refuses and says, and its files: complete or not there, whatever happens."""
 import contextlib
+import dataclasses
 import json
 import os
 import pathlib
@@ -252,11 +253,41 @@ def test_an_error_after_the_picture_names_it():
 def test_values_without_a_place_on_the_scale_are_counted():
     kuhn_cube("n.hdf", 2)
     add_cell_field("n.hdf", "v", np.where(np.arange(48) < 3, (np.nan, np.inf, -np.inf) * 16, np.arange(48.0) - 5))
-    for options, words in (((), ["3 of 48 values are not finite and drawn in gray"]),
+    add_cell_field("n.hdf", "u", np.where(np.arange(144).reshape(48, 3) < 9, np.nan, 1.0))  # VTK's tracer would crash
+    for options, words in ((("--streamlines", "u", "--cut", "z=0.4", "--patch", "all"),
+                            ["--streamlines u: 3 of 48 values are not finite and taken as 0",
+                             "3 of 48 values are not finite and drawn in gray"]),
                            (("--log",), ["3 of 48 values are not finite", "3 of 48 values are not above 0"])):
-        said = run("pamr-picture", "n.hdf", "-o", "v.png", "--field", "v", "--force", *options).err
+        said = run("pamr-picture", "n.hdf", "-o", "v.png", "--field", "v", "--size", "500x500", "--force", *options).err
         assert len(said.splitlines()) == len(words) and all(word in said for word in words), said
-    assert near(pixels("v.png"), (191, 191, 191)) > 500
+    image, gray = pixels("v.png"), (191, 191, 191)
+    assert near(image[:-34], gray) > 500 and near(image[-34:], gray, 2) > 50, "no legend"
+
+
+def test_lines_are_drawn_beside_gaps_and_of_mirror_images():
+    import flow_lines
+    import mesh_files
+    import panel
+    from view import CUT_VIEWS, Plane, view_of
+    mesh = mesh_files.read(cubes()[0])
+    x = mesh.points[:, 0]
+    mesh.node_fields["gap"] = np.where(x > 0.9, np.nan, x)
+    mesh.node_fields["v"] = np.column_stack([x, np.ones(len(x)), 0 * x])
+    mesh.node_fields["still"] = np.zeros((len(x), 3))
+    wish = panel.Wish(cut=Plane(np.array([0, 0, 1.0]), 0.4), field="gap", isolines=[0.4], mirror="x", streamlines="v")
+
+    data = panel.Subject(mesh, wish).pieces()[0][0]
+
+    lines = panel.shapes.isolines(data, "smooth", [0.4])
+    points = panel.vtk_to_numpy(lines.GetPoints().GetData())
+    assert len(points) and np.abs(np.abs(points[:, 0]) - 0.4).max() < 1e-6, points
+    at, vectors = panel.vtk_to_numpy(data.GetPoints().GetData()), panel.shapes.array(data.GetPointData(), "vector")
+    assert np.abs(vectors[:, 0] - at[:, 0]).max() < 1e-6, "vectors of the image are not those of the mirror"
+    view = view_of(*CUT_VIEWS["z"])
+    found = panel.vtk_to_numpy(flow_lines.in_plane(data, "vector", view, 2.0).GetPoints().GetData())[:, 0]
+    assert found.min() < -0.3 and found.max() > 0.3, "lines in one half only"
+    still = panel.Subject(mesh, dataclasses.replace(wish, streamlines="still")).pieces()[0][0]
+    assert flow_lines.in_plane(still, "vector", view, 2.0).GetNumberOfCells() == 0
 
 
 def test_a_report_goes_into_a_pipe_which_stays():

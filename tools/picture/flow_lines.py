@@ -4,6 +4,7 @@ import numpy as np
 import vtk
 from vtk.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 
+from refused import Refused
 from shapes import add_array, array, grid_of, poly_data
 
 SPACES = 34  # between lines across the picture
@@ -11,6 +12,11 @@ SPACES = 34  # between lines across the picture
 
 def in_plane(data, name, view, width):
     """Evenly spaced lines of the field's part in the picture's plane. `data`: polygons that lie in one plane."""
+    joined = vtk.vtkCleanPolyData()  # mirror images have points in common
+    joined.SetInputData(data)
+    joined.SetTolerance(0)
+    joined.Update()
+    data = joined.GetOutput()
     points = vtk_to_numpy(data.GetPoints().GetData())
     flat = np.column_stack([view.flat(points), np.zeros(len(points))])
     height = float(np.median(points @ view.toward))
@@ -35,7 +41,7 @@ def in_plane(data, name, view, width):
     begins = vtk_to_numpy(lines.GetLines().GetOffsetsArray())
     corners = vtk_to_numpy(lines.GetLines().GetConnectivityArray())
     segments = [pairs(corners[a:b]) for a, b in zip(begins[:-1], begins[1:]) if b - a > 1]
-    return poly_data(back, np.concatenate(segments), True)
+    return poly_data(back, np.concatenate(segments), True) if segments else vtk.vtkPolyData()
 
 
 def with_margin(flat, polygons, name, vectors, margin):
@@ -65,6 +71,8 @@ def pairs(line, step=4):
 
 def in_volume(mesh, name, vectors, n_across=6):
     """Lines through points spread evenly over the mesh."""
+    if not len(mesh.cells):
+        raise Refused(f"{mesh.file}: --streamlines: expected tetrahedra or one flat patch, found other triangles")
     grid = grid_of(mesh.points, mesh.cells)
     add_array(grid.GetPointData(), name, vectors)
     grid.GetPointData().SetActiveVectors(name)

@@ -48,10 +48,11 @@ class Coloring:
 
     def __init__(self, wish, subjects, bounds, is_log, name):
         self.patches = sorted({patch for s in subjects for patch in s.patches})
-        self.isolines, self.norm, self.seen, self.classes = (), None, None, None
+        self.isolines, self.norm, self.seen, self.classes, self.has_gaps = (), None, None, None, False
         if subjects[0].values is None:
             return
         seen = np.concatenate([s.shown_numbers() for s in subjects])
+        self.has_gaps = not np.isfinite(seen).all()
         seen = seen[np.isfinite(seen) & (seen > 0 if is_log else True)]
         if not len(seen):
             raise Refused(f"--field {wish.field}: expected {'positive' if is_log else 'finite'} values to draw, found none")

@@ -38,6 +38,7 @@ class Subject:
 
     def __init__(self, mesh, wish):
         self.mesh, self.wish = mesh, wish
+        self.remarks = []  # on values that have no place in the picture
         self.plane = wish.cut
         if wish.cut is not None:
             if not len(mesh.cells):
@@ -46,6 +47,7 @@ class Subject:
         self.chosen = self._chosen()
         self.patches = self._patches()
         self.values = self._values()
+        self.vector = self._vector()
         self._pieces = None
 
     def _chosen(self):
@@ -60,6 +62,7 @@ class Subject:
             name, is_below, bound = wish.condition
             found = values.values_of(mesh, name)
             numbers = values.to_cells(mesh, found.numbers) if found.on_nodes else found.numbers
+            self._remark(f"--cells {name}", np.isnan(numbers), "not numbers (NaN), and these cells are left out")
             chosen &= numbers < bound if is_below else numbers > bound
         return chosen
 
@@ -84,6 +87,26 @@ class Subject:
         found.numbers = found.numbers * wish.scale
         return found
 
+    def _vector(self):
+        if not self.wish.streamlines:
+            return None
+        vector, is_finite = values.vector_of(self.mesh, self.wish.streamlines)
+        self._remark(f"--streamlines {self.wish.streamlines}", ~is_finite, "not finite and taken as 0")
+        return vector
+
+    def _remark(self, option, chosen, what):
+        if chosen.any():
+            self.remarks.append(f"{self.mesh.file}: {option}: {chosen.sum():,} of {len(chosen):,} values are {what}")
+
+    def remark_on_values(self, is_log):
+        """Once a scale for them is found."""
+        if self.values is not None:
+            numbers, option = self.values.numbers, f"--field {self.wish.field}"
+            is_finite = np.isfinite(numbers)
+            self._remark(option, ~is_finite, "not finite and drawn in gray")
+            self._remark(option, is_finite & (numbers <= 0) & is_log,
+                         "not above 0 (--log) and drawn in the lowest color")
+
     def _nodal_fields(self):
         """Fields on nodes that go through the cut: colors, isolines, streamlines."""
         fields, wish = {}, self.wish
@@ -94,8 +117,8 @@ class Subject:
             if wish.smooth is None and not at_nodes.on_nodes:
                 at_nodes = values.smoothed(self.mesh, at_nodes, 2)
             fields["smooth"] = at_nodes.numbers
-        if wish.streamlines:
-            fields["vector"] = values.vector_of(self.mesh, wish.streamlines)
+        if self.vector is not None:
+            fields["vector"] = self.vector
         return fields
 
     def pieces(self):
@@ -190,8 +213,8 @@ def draw(subject, view, extent, width, height, coloring):
         if len(pieces) == 1 and pieces[0][1]:
             lines = flow_lines.in_plane(pieces[0][0], "vector", view, extent[1] - extent[0])
         else:
-            mesh = subject.mesh
-            lines = shapes.mirrored(flow_lines.in_volume(mesh, "vector", values.vector_of(mesh, wish.streamlines)),
-                                    wish.mirror)
+            lines = shapes.mirrored(flow_lines.in_volume(subject.mesh, "vector", subject.vector), wish.mirror)
+        if not lines.GetNumberOfCells():
+            subject.remarks.append(f"{subject.mesh.file}: --streamlines {wish.streamlines}: no line was found")
         scene.add_lines(lines, (255, 255, 255) if subject.values is not None else palettes.INK, 1.1)
     return scene.image()

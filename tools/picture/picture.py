@@ -86,7 +86,7 @@ def legend_of(o, subjects, coloring):
         names = [known.get(int(value), f"{o.title or o.field} {value:.0f}") for value in coloring.classes]
         return names, colors, [palettes.INK] * len(colors)
     if o.field is not None:
-        return [], [], []
+        return (["not finite"], [palettes.NOTHING], [palettes.INK]) if coloring.has_gaps else ([], [], [])
     deepest = max(int(s.levels().max()) for s in subjects)
     if deepest == 0:
         return [], [], []
@@ -104,17 +104,6 @@ def require_patches(wanted, meshes):
             raise Refused(f"{meshes[0].file}: --patch: unknown patch '{name}'; there are {', '.join(sorted(known))}")
 
 
-def warn_of_values(o, subject):
-    """Of those that have no place on the scale of colors."""
-    import numpy as np
-    numbers = subject.values.numbers if subject.values is not None else np.empty(0)
-    is_finite = np.isfinite(numbers)
-    for n, what in (((~is_finite).sum(), "not finite and drawn in gray"),
-                    ((numbers[is_finite] <= 0).sum() if o.log else 0, "not above 0 (--log) and drawn in the lowest color")):
-        if n:
-            warn(f"{subject.mesh.file}: --field {o.field}: {n:,} of {len(numbers):,} values are {what}")
-
-
 def make(o):
     """The picture's bytes and what the report says of it."""
     import mesh_files
@@ -127,7 +116,7 @@ def make(o):
     subjects = [Subject(mesh, wish) for mesh in meshes]
     coloring = pages.Coloring(wish, subjects, o.range, o.log, o.map)
     for subject in subjects:
-        warn_of_values(o, subject)
+        subject.remark_on_values(o.log)
     legend = legend_of(o, subjects, coloring)
     is_planar = all(len(s.pieces()) == 1 and s.pieces()[0][1] for s in subjects)
     has_axes = is_planar and all(view.is_along_axes for view in o.views)
@@ -145,6 +134,8 @@ def make(o):
                 seen = fitted(extent, *box[2:])
                 page.add_panel(box, draw(subject, view, seen, *box[2:], coloring), seen, view, subject.mesh.length_unit)
     for column, subject in enumerate(subjects):
+        for remark in dict.fromkeys(subject.remarks):
+            warn(remark)
         page.add_title(column, boxes[column][0], o.label[column] if o.label else subject.mesh.name, counts(subject))
     if coloring.norm is not None:
         page.add_bar(coloring, title_of(o, subjects), boxes[len(subjects) - 1][0] + boxes[len(subjects) - 1][2])
@@ -195,8 +186,6 @@ def run(arguments, version):
 def main(arguments, version):
     """The exit code, as of all tools. One process draws: of an MPI job the first."""
     if any(os.environ.get(name, "0") != "0" for name in ("OMPI_COMM_WORLD_RANK", "PMI_RANK", "PMIX_RANK")):
-        for number in SIGNALS:  # what comes now changes nothing that is done
-            signal.signal(number, signal.SIG_IGN)
         return 0
     files.keep_standard_streams()
     for number in SIGNALS:
@@ -206,6 +195,8 @@ def main(arguments, version):
         sys.stdout.reconfigure(errors="surrogateescape")  # names of files, whatever their bytes
     try:
         run(arguments, version)
+        for number in SIGNALS:  # what comes now changes nothing that is done
+            signal.signal(number, signal.SIG_IGN)
         return 0
     except Refused as wrong:
         warn(f"{wrong}{files.complete_text()}", "error")

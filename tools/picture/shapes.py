@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What is drawn of a mesh: triangles of its boundary, its section with a plane, complete cells behind the plane; and the
 lines on them."""
+import sys
+
 import numpy as np
 import vtk
 from vtk.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray, vtk_to_numpy
@@ -152,6 +154,8 @@ def mirrored(data, axes):
             turned.DeepCopy(image)
             points = vtk_to_numpy(turned.GetPoints().GetData())
             points[:, "xyz".index(axis)] *= -1
+            if turned.GetPointData().HasArray("vector"):
+                array(turned.GetPointData(), "vector")[:, "xyz".index(axis)] *= -1
             images.append(turned)
             append.AddInputData(turned)
     append.Update()
@@ -159,8 +163,17 @@ def mirrored(data, axes):
 
 
 def isolines(data, name, levels):
+    """Lines of these values; none in polygons with a node whose value is not finite."""
+    finite = vtk.vtkThreshold()
+    finite.SetInputData(data)
+    finite.SetInputArrayToProcess(0, 0, 0, vtk.vtkDataObject.FIELD_ASSOCIATION_POINTS, name)
+    finite.SetLowerThreshold(-sys.float_info.max)
+    finite.SetUpperThreshold(sys.float_info.max)
     contour = vtk.vtkContourFilter()
-    contour.SetInputData(data)
+    if np.isfinite(array(data.GetPointData(), name)).all():
+        contour.SetInputData(data)
+    else:
+        contour.SetInputConnection(finite.GetOutputPort())
     contour.SetInputArrayToProcess(0, 0, 0, vtk.vtkDataObject.FIELD_ASSOCIATION_POINTS, name)
     for i, value in enumerate(levels):
         contour.SetValue(i, value)

@@ -91,14 +91,17 @@ def values_of(mesh, wanted):
 
 
 def vector_of(mesh, name):
-    """A field with three components on the nodes."""
-    for fields in (mesh.cell_fields, mesh.node_fields):
-        if name in fields:
-            rows = fields[name].astype(float)
-            if rows.ndim != 2 or rows.shape[1] != 3:
-                raise Refused(f"{mesh.file}: streamlines: expected a field with 3 components, found '{name}' with "
-                              f"{1 if rows.ndim == 1 else rows.shape[1]}")
-            return rows if fields is mesh.node_fields else to_nodes(mesh, rows)
+    """A field with three components on the nodes, and of each of its rows whether it is finite: others become 0."""
+    rows, on_nodes, _ = rows_of(mesh, name)
+    if rows is not None:
+        if rows.ndim != 2 or rows.shape[1] != 3:
+            raise Refused(f"{mesh.file}: streamlines: expected a field with 3 components, found '{name}' with "
+                          f"{1 if rows.ndim == 1 else rows.shape[1]}")
+        is_finite = np.isfinite(rows).all(axis=1)
+        if not is_finite.any():
+            raise Refused(f"{mesh.file}: --streamlines {name}: expected finite vectors, found none")
+        rows[~is_finite] = 0
+        return rows if on_nodes else to_nodes(mesh, rows), is_finite
     raise Refused(f"{mesh.file}: unknown field '{name}'; there are {', '.join(known_names(mesh))}")
 
 
