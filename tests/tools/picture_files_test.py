@@ -98,6 +98,7 @@ def test_options_that_would_be_ignored_are_refused_with_both_names():
             ([*field, "--smooth", "1.5"], "--smooth: expected a whole number, found '1.5'")):
         error = error_of(command_line.read, ["m.hdf", "-o", "p.png", *words], "0")
         assert says in error, (words, error)
+    assert command_line.read(["-o", "p.png", "--", "-m.hdf"], "0").meshes == ["-m.hdf"]
     o = command_line.read(["a.hdf", "-o", "p.png", "b.hdf", "--field", "patch", "--cut", "x=1", "--patch", "all"], "0")
     assert (o.meshes, o.scale, o.map, o.smooth) == (["a.hdf", "b.hdf"], 1, "viridis", None), o
 
@@ -172,8 +173,15 @@ def test_closed_streams_lose_nothing():
         files.keep_standard_streams()
         os._exit(os.open("new", os.O_CREAT | os.O_WRONLY) < 3)
 
+    def report_without_output():
+        sys.stdout = None
+        error = error_of(picture.say, "{}", True)
+        picture.say("done")  # where nobody listens
+        os._exit(2 if error == "standard output: the report cannot be written" else 1)
+
     assert in_child(interrupted_where_nobody_reads) == 6 and not os.path.exists("p.partial")
     assert in_child(opens_a_file) == 0, "what is said would be in the file"
+    assert in_child(report_without_output) == 2
     for option in ("--help", "--version"):
         with open("/dev/full", "w", encoding="ascii") as full:
             done = subprocess.run([BIN / "pamr-picture", option], stdout=full, stderr=subprocess.PIPE, timeout=LIMIT)
@@ -209,6 +217,15 @@ def test_names_of_any_bytes_are_drawn_and_reported():
     report = json.loads(pathlib.Path("r.json").read_text(encoding="utf-8"))
     assert done.err == "" and report["report"]["inputs"] == ["n\ufffd$\\frac$\n.hdf"], (done.err, report)
     assert "\u03bb" in report["meshes"][0]["patches"], report
+
+
+def test_messages_of_pamr_convert_keep_the_bytes_of_names():
+    import mesh_files
+    os.environ["PATH"] = f"{BIN}:{os.environ['PATH']}"
+    name = os.fsdecode(b"n\xff\xe2\x80\xa8b.msh")  # also a separator of lines of Unicode
+    pathlib.Path(name).write_text("no mesh")
+    error = error_of(mesh_files.read, name)
+    assert error.startswith(f"pamr-convert: file '{name}', line 1: expected a Gmsh file"), ascii(error)
 
 
 @of_full_level

@@ -203,7 +203,9 @@ def require_partners(o, arguments):
 
 def read(arguments, version):
     """The options, checked as far as they can be without a mesh."""
-    o = parser(version).parse_intermixed_args(joined(arguments))
+    line = parser(version)
+    parse = line.parse_args if "--" in arguments else line.parse_intermixed_args  # which forgets the --
+    o = parse(joined(arguments))
     if not o.output.lower().endswith(".png"):
         raise Refused(f"-o: expected the name of a picture that ends in .png, found '{o.output}'")
     require_partners(o, arguments)

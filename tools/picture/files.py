@@ -6,6 +6,7 @@ import itertools
 import os
 import re
 import shutil
+import sys
 import time
 
 from refused import Refused
@@ -35,12 +36,16 @@ def keep_standard_streams():
             os.open(os.devnull, os.O_RDONLY if number else os.O_WRONLY)
 
 
-def say(text):
-    """Prints a line that has to arrive. Where there is no standard output nobody listens."""
+def say(text, is_report=False):
+    """Prints a line that has to arrive. Where there is no standard output nobody listens, but for a report."""
     try:
+        if sys.stdout is None:
+            raise OSError(errno.EBADF, os.strerror(errno.EBADF))
         print(text, flush=True)
     except OSError as wrong:
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # else Python tries once more when it ends
+        if is_report:
+            raise Refused("standard output: the report cannot be written") from None
         if wrong.errno != errno.EBADF:
             raise Refused(f"standard output: not all that was printed could be written: {wrong.strerror}") from None
 

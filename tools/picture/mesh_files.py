@@ -248,9 +248,9 @@ def read_by_convert(file):
     with tempfile.TemporaryDirectory(prefix="pamr-picture-") as folder:
         unfinished.append(folder)
         native = os.path.join(folder, "mesh.hdf")
-        done = subprocess.run([tool, "--quiet", "--", file, native], capture_output=True, text=True, errors="replace", env=environment,
+        done = subprocess.run([tool, "--quiet", "--", file, native], capture_output=True, env=environment,
                               preexec_fn=dies_with_its_parent)
-        said = [line.removeprefix("pamr-convert: ") for line in done.stderr.splitlines()]
+        said = [line.removeprefix("pamr-convert: ") for line in os.fsdecode(done.stderr).split("\n")]
         if done.returncode:
             wrong = [line.removeprefix("error: ") for line in said if line.startswith("error: ")]
             raise Refused("pamr-convert: " + (wrong[0] if wrong else f"{file}: ended with exit code {done.returncode}"))

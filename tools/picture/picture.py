@@ -171,7 +171,7 @@ def run(arguments, version):
     report = {"report": {"tool": "pamr-picture", "version": version, "commit": "", "format": 1, "inputs": o.meshes}} | report
     text = as_unicode(json.dumps(report, indent=2, ensure_ascii=False))
     if o.json == "-":
-        say(text)
+        say(text, is_report=True)
     elif o.json:
         write_whole(o.json, (text + "\n").encode())
     if not o.quiet:
