@@ -115,7 +115,7 @@ void check_outputs(cli::Session& session, const Options& o, const dsmc::Case& c,
   check_checkpoint(session, o, c, from);
   check_series(session, o, c, o.restart.empty() ? 0 : from.steps_done);
   if (!o.out.lines.empty() && c.station.empty() && c.line.empty() && c.plane.empty())
-    throw Error("--lines: expected [[station]], [[line]] or [[plane]] in the case, found none");
+    session.warn("--lines: the case has no [[station]], [[line]] or [[plane]], and " + o.out.lines + " no rows");
 }
 
 /// The mesh that the run goes on with, and the weight that the case has for another mesh.

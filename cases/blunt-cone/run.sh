@@ -91,12 +91,13 @@ case_of() { # LEVEL
 }
 
 solve() { # LEVEL
-  local begin=()
+  local begin=() lines=()
   if [ -e "$out/flow$1.checkpoint" ]; then begin=(--restart "$out/flow$1.checkpoint")
   elif [ "$1" -gt 0 ]; then begin=(--carry "$out/flow$(($1 - 1)).checkpoint"); fi
   case_of "$1"
+  if grep -Eq '^\[\[(station|line|plane)\]\]' "$out/case$1.toml"; then lines=(--lines "$out/lines$1.csv"); fi
   on_ranks "flow$1" pamr-dsmc "$out/case$1.toml" --mesh "$out/level$1.hdf" -o "$out/flow$1.hdf" "${begin[@]}" \
-    --checkpoint "$out/flow$1.checkpoint" --every 300 --surface "$out/wall$1.vtu" --lines "$out/lines$1.csv" \
+    --checkpoint "$out/flow$1.checkpoint" --every 300 --surface "$out/wall$1.vtu" "${lines[@]}" \
     --history "$out/history$1.csv"
 }
 
