@@ -224,7 +224,7 @@ void warn_of_limits(const cli::Session& session, const Options& options, const n
                                  : fmt::format("{} cells after refinement are more than --max-cells {}: coarsening "
                                                "once takes no more; mark again after it",
                                                after, most));
-  else if (nothing_changes && !waits)
+  else if (nothing_changes && (count("wanted") > 0 || !waits))
     session.warn(count("wanted") > 0 ? "nothing is marked: not one of the cells that are wanted fits into --max-cells"
                                      : "nothing is marked: no cell meets a criterion and every limit");
   if (options.fill && static_cast<double>(after) < mark::smallest_part_of_budget * static_cast<double>(most))

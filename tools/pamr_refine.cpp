@@ -69,7 +69,7 @@ void declare(cli::CommandLine& line, Options& options) {
       line.option("--bend", options.bend,
                   "inner edges of level 0 that may bend for better shapes, when it is split for the first time");
   bend.one_of(refine::bend_list()).show_default();
-  bend.excludes(line.flag("--no-project", options.no_project, "leave new boundary nodes in the middle of their edges"));
+  line.flag("--no-project", options.no_project, "leave new boundary nodes in the middle of their edges");
   line.group("Ranks and order", "mpirun -n 4 pamr-refine marked.hdf -o fine.hdf --balance scotch --order keep");
   line.option("--balance", options.balance, "how cells are spread over the ranks before they are split")
       .one_of({"auto", "scotch", "curve", "blocks", "none"})
@@ -91,7 +91,8 @@ void declare(cli::CommandLine& line, Options& options) {
   auto each_rank = line.flag("--each-rank", options.each_rank, "the report lists every rank's share of each step too");
   each_rank.excludes(dry_run);
   line.after_reading([=, &options] {
-    cli::CommandLine::refuse_ignored(weights, options.balance != "none", "--balance");
+    cli::CommandLine::refuse_ignored(weights, options.balance != "none", "a --balance other than none");
+    cli::CommandLine::refuse_ignored(bend, !options.no_project || options.bend == "none", "no --no-project");
     cli::CommandLine::refuse_ignored(floor, options.quality_control == "removable", "--quality-control removable");
     if (options.floors && !dry_run.is_given()) cli::CommandLine::refuse_without("--dry-run (beside --floors)");
     if (!output.is_given() && !dry_run.is_given()) cli::CommandLine::refuse_without("--output (or --dry-run)");

@@ -181,6 +181,13 @@ def test_a_mesh_refined_without_a_map_is_named_and_becomes_level_0():
     assert "without a map" not in told.err and told.json["level0"]["bent_cells"] > 0
     assert smallest_mean_ratio("fine.hdf") > 0.34 > 0.25 > smallest_mean_ratio("none.hdf")
     run("pamr-convert", "old.hdf", "old.vtu", "--as-level-0", code=2)
+    with h5py.File("fine.hdf") as file:
+        pathlib.Path("ball.toml").write_bytes(file["PAMR/surfaces"][()])
+    run("pamr-convert", "fine.hdf", "tied.hdf", "--surfaces", "ball.toml", "--quiet", serial=True)  # new surfaces: the map goes, in whole
+    run("pamr-partition", "fine.hdf", "-o", "parts.hdf", "-p", 3, "--weights", "uniform", "--quiet", serial=True)
+    with h5py.File("tied.hdf") as tied, h5py.File("parts.hdf") as parts:
+        for file, has_map in ((tied, False), (parts, True)):
+            assert ("level0" in file["PAMR"]) == has_map == ("level0_cell" in file["VTKHDF/CellData"]) == ("level0_key" in file["VTKHDF/PointData"])
 
 
 def test_triangles_with_two_edges_on_a_rim_are_split():

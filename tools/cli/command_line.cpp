@@ -184,7 +184,7 @@ void CommandLine::refuse_without(const std::string& what) { throw CLI::RequiredE
 
 void CommandLine::refuse_ignored(const Option& option, bool has_partner, const std::string& partner) {
   if (option.is_given() && !has_partner)
-    throw CLI::ValidationError(option.option_->get_name(), fmt::format("expected {} beside it, found none", partner));
+    throw CLI::ValidationError(option.option_->get_name(), fmt::format("expected {} beside it", partner));
 }
 
 }  // namespace pamr::cli

@@ -18,6 +18,7 @@
 #include "pamr/mesh/box_of_nodes.hpp"
 #include "pamr/mesh/find_patches.hpp"
 #include "pamr/mesh/inner_patches.hpp"
+#include "pamr/mesh/level0_map.hpp"
 #include "pamr/mesh/tet.hpp"
 #include "pamr/mesh/untagged_patch.hpp"
 #include "pamr/par/exchange.hpp"
@@ -166,7 +167,6 @@ void put_surfaces(const geometry::SurfaceSet& asked_for, const std::vector<int>&
   info.surfaces = std::make_shared<const geometry::SurfaceSet>(std::move(set));
   for (std::size_t p = 0; p < assigned.size(); ++p)
     if (assigned[p] >= 0) info.patches[p].surface = first_new + assigned[p];
-  info.level0 = nullptr;  // it belongs to the surfaces that it was made for
 }
 
 /// Local nodes of a patch.
@@ -276,6 +276,7 @@ std::vector<Association> associate_surfaces(const par::Comm& comm, mesh::DistMes
     for (const auto& [patch, file] : request.files) pairs.push_back(patch + "=" + surface_name(patch, file));
     assigned = assigned_surfaces(mesh.info, asked_for, pairs, request.described.size());
     put_surfaces(asked_for, assigned, mesh.info);
+    mesh::drop_level0(mesh);  // it belongs to the surfaces that it was made for
   });
   const double size = mesh::box_of_nodes(comm, mesh).diagonal();
   std::vector<double> off(mesh.node_position.size(), 0.0);

@@ -11,6 +11,7 @@
 #include "pamr/base/contract.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/mesh/inner_patches.hpp"
+#include "pamr/mesh/level0_key.hpp"
 #include "pamr/mesh/region_faces.hpp"
 #include "pamr/mesh/tet.hpp"
 #include "pamr/par/exchange.hpp"
@@ -54,7 +55,7 @@ mesh::BlockMesh to_block(const par::Comm& comm, const mesh::DistMesh& mesh, cons
   block.info.n_global_cells = comm.sum(n_cells);
   block.first_cell = mesh.info.first_id + comm.exclusive_sum(n_cells);
   for (const auto& field : mesh.cell_fields) {
-    if (mesh::is_inner_patch_field(field)) continue;  // made anew from `patch`
+    if (mesh::is_inner_patch_field(field) || mesh::is_level0_field(field)) continue;  // the first: anew from `patch`
     auto& copy = block.cell_fields.emplace_back(field);
     std::visit(
         [&](auto& values) {
@@ -90,6 +91,7 @@ void scatter_nodes(const par::Comm& comm, const mesh::DistMesh& mesh, const std:
   }
   block.node_position = par::scatter_rows<Vec3>(comm, block.info.node_ids(), position, 1, ids);
   for (const auto& field : mesh.node_fields) {
+    if (mesh::is_level0_field(field)) continue;
     auto& copy = block.node_fields.emplace_back(field);
     std::visit(
         [&]<class T>(std::vector<T>& values) {

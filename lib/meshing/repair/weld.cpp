@@ -10,6 +10,7 @@
 #include "pamr/assemble/assemble.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/check/tears.hpp"
+#include "pamr/mesh/level0_key.hpp"
 #include "pamr/mesh/tet.hpp"
 #include "pamr/par/exchange.hpp"
 #include "pamr/par/renumber.hpp"
@@ -77,12 +78,13 @@ mesh::DistMesh weld(const par::Comm& comm, const mesh::DistMesh& mesh) {
   if (comm.any(!mesh.cell_origin.empty()))
     block.cell_origin = par::scatter_rows<GlobalId>(comm, cell_ids, mesh.cell_origin, 1, mesh.cell_global);
   for (const auto& field : mesh.cell_fields)
-    block.cell_fields.push_back(moved(comm, field, cells, cell_ids, mesh.cell_global));
+    if (!mesh::is_level0_field(field))
+      block.cell_fields.push_back(moved(comm, field, cells, cell_ids, mesh.cell_global));
   std::vector<geometry::Vec3> positions;
   for (const auto node : kept) positions.push_back(mesh.point(node));
   block.node_position = par::scatter_rows<geometry::Vec3>(comm, node_ids, positions, 1, number_of_kept);
   for (const auto& field : mesh.node_fields)
-    block.node_fields.push_back(moved(comm, field, kept, node_ids, number_of_kept));
+    if (!mesh::is_level0_field(field)) block.node_fields.push_back(moved(comm, field, kept, node_ids, number_of_kept));
   add_boundary(mesh, check::pair_faces(comm, mesh, by_place), number, block.boundary);
   return assemble::assemble(comm, std::move(block));
 }

@@ -13,6 +13,7 @@
 #include "pamr/base/listed.hpp"
 #include "pamr/geometry/parameters.hpp"
 #include "pamr/geometry/tet_shape.hpp"
+#include "pamr/mesh/box_of_nodes.hpp"
 #include "pamr/mesh/untagged_patch.hpp"
 #include "pamr/validate/findings.hpp"
 #include "pamr/validate/validate_border.hpp"
@@ -135,13 +136,10 @@ std::string text_of_place(const Violation& violation) {
 }
 
 void require_size(const par::Comm& comm, const mesh::DistMesh& mesh, const std::string& what) {
-  geometry::Vec3 low = mesh.node_position.empty() ? geometry::Vec3{} : mesh.node_position[0], high = low;
-  for (const auto& p : mesh.node_position) {
-    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-  }
-  const auto extent = comm.max(geometry::largest_coordinate(high - low));
-  if (mesh.info.n_global_cells > 0 && extent < geometry::min_extent)
+  if (mesh.info.n_global_cells == 0) return;
+  const auto box = mesh::box_of_nodes(comm, mesh);
+  const auto extent = geometry::largest_coordinate(box.high - box.low);
+  if (extent < geometry::min_extent)
     throw Error(fmt::format("{}: expected a mesh larger than {:g}, found one of {:g}: choose a smaller unit of length",
                             what, geometry::min_extent, extent));
 }
