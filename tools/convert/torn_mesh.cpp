@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "meshing/repair/weld.hpp"
 #include "pamr/base/counted.hpp"
@@ -31,7 +32,7 @@ void treat_tears(cli::Session& session, const Options& options, mesh::DistMesh& 
     require_level0(comm, mesh);
     const auto n_nodes = mesh.info.n_global_nodes;
     if (tears.coincident_nodes.count > 0) {
-      mesh = meshing::weld(comm, mesh);
+      mesh = meshing::weld(comm, std::move(mesh));
       validate::require_valid(comm, mesh, options.input);
       mesh.info.provenance += "; welded";
       tears = check::find_tears(comm, mesh);

@@ -279,7 +279,7 @@ READERS = {**dict.fromkeys(NATIVE, read_native), **dict.fromkeys(BY_VTK, read_by
 
 
 def require_sound(mesh):
-    """What is drawn needs; a mesh may be wrong in other ways."""
+    """Refuses a mesh without the parts that a picture needs; it may be wrong in other ways."""
     def require(is_true, expected):
         if not is_true:
             raise Refused(f"{mesh.file}: expected {expected}, found others")
@@ -295,10 +295,6 @@ def require_sound(mesh):
 
 def read(file):
     """The mesh of a file; the extension decides who reads it."""
-    if not os.path.exists(file):
-        raise Refused(f"{file}: expected a mesh file, found nothing of that name")
-    if not os.path.isfile(file) and not os.path.isdir(file):
-        raise Refused(f"{file}: expected a mesh file, found a device")
     extension = "" if os.path.isdir(file) else os.path.splitext(file)[1].lower()
     mesh = READERS.get(extension, read_by_convert)(file)
     require_sound(mesh)

@@ -11,7 +11,7 @@
 #include "pamr/base/contract.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/mesh/inner_patches.hpp"
-#include "pamr/mesh/level0_key.hpp"
+#include "pamr/mesh/level0_map.hpp"
 #include "pamr/mesh/region_faces.hpp"
 #include "pamr/mesh/tet.hpp"
 #include "pamr/par/exchange.hpp"
@@ -30,7 +30,6 @@ mesh::BlockMesh to_block(const par::Comm& comm, const mesh::DistMesh& mesh, cons
   mesh::BlockMesh block;
   block.info = mesh.info;
   block.info.n_global_nodes += static_cast<GlobalId>(splits.size());
-  block.info.level0 = nullptr;  // it is that of another level 0
   const mesh::InnerPatches inner_patches(mesh);
   std::vector<LocalId> parent;
   for (LocalId c = 0; c < mesh.n_cells(); ++c) {
@@ -55,7 +54,7 @@ mesh::BlockMesh to_block(const par::Comm& comm, const mesh::DistMesh& mesh, cons
   block.info.n_global_cells = comm.sum(n_cells);
   block.first_cell = mesh.info.first_id + comm.exclusive_sum(n_cells);
   for (const auto& field : mesh.cell_fields) {
-    if (mesh::is_inner_patch_field(field) || mesh::is_level0_field(field)) continue;  // the first: anew from `patch`
+    if (mesh::is_inner_patch_field(field)) continue;  // made anew from `patch`
     auto& copy = block.cell_fields.emplace_back(field);
     std::visit(
         [&](auto& values) {
@@ -91,7 +90,6 @@ void scatter_nodes(const par::Comm& comm, const mesh::DistMesh& mesh, const std:
   }
   block.node_position = par::scatter_rows<Vec3>(comm, block.info.node_ids(), position, 1, ids);
   for (const auto& field : mesh.node_fields) {
-    if (mesh::is_level0_field(field)) continue;
     auto& copy = block.node_fields.emplace_back(field);
     std::visit(
         [&]<class T>(std::vector<T>& values) {
@@ -217,6 +215,7 @@ mesh::DistMesh open_wall_ears(const par::Comm& comm, mesh::DistMesh mesh, const 
   const auto children = split_cells(cells, splits, first_new);
   improve(mesh, children, inner, first_new, free_splits(comm, mesh, between, splits), splits);
 
+  mesh::drop_level0(mesh);  // it is that of another level 0
   std::vector<std::array<int, 4>> patch;
   auto block = to_block(comm, mesh, splits, children, patch);
   scatter_nodes(comm, mesh, splits, block);

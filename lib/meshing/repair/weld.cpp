@@ -10,7 +10,7 @@
 #include "pamr/assemble/assemble.hpp"
 #include "pamr/base/index.hpp"
 #include "pamr/check/tears.hpp"
-#include "pamr/mesh/level0_key.hpp"
+#include "pamr/mesh/level0_map.hpp"
 #include "pamr/mesh/tet.hpp"
 #include "pamr/par/exchange.hpp"
 #include "pamr/par/renumber.hpp"
@@ -50,7 +50,8 @@ void add_boundary(const mesh::DistMesh& mesh, const check::PairedFaces& faces, c
 
 }  // namespace
 
-mesh::DistMesh weld(const par::Comm& comm, const mesh::DistMesh& mesh) {
+mesh::DistMesh weld(const par::Comm& comm, mesh::DistMesh mesh) {
+  mesh::drop_level0(mesh);  // it is that of another level 0
   const auto by_place = check::nodes_by_place(comm, mesh);
   auto [n_kept, number] = par::renumber(comm, mesh.info.node_ids(), by_place);
   std::vector<LocalId> kept;
@@ -64,7 +65,6 @@ mesh::DistMesh weld(const par::Comm& comm, const mesh::DistMesh& mesh) {
   mesh::BlockMesh block;
   block.info = mesh.info;
   block.info.n_global_nodes = n_kept;
-  block.info.level0 = nullptr;
   const auto cell_ids = block.info.cell_ids(), node_ids = block.info.node_ids();
   block.first_cell = par::block_range(cell_ids, comm.rank(), comm.size()).begin;
   std::vector<LocalId> cells;
@@ -78,13 +78,12 @@ mesh::DistMesh weld(const par::Comm& comm, const mesh::DistMesh& mesh) {
   if (comm.any(!mesh.cell_origin.empty()))
     block.cell_origin = par::scatter_rows<GlobalId>(comm, cell_ids, mesh.cell_origin, 1, mesh.cell_global);
   for (const auto& field : mesh.cell_fields)
-    if (!mesh::is_level0_field(field))
-      block.cell_fields.push_back(moved(comm, field, cells, cell_ids, mesh.cell_global));
+    block.cell_fields.push_back(moved(comm, field, cells, cell_ids, mesh.cell_global));
   std::vector<geometry::Vec3> positions;
   for (const auto node : kept) positions.push_back(mesh.point(node));
   block.node_position = par::scatter_rows<geometry::Vec3>(comm, node_ids, positions, 1, number_of_kept);
   for (const auto& field : mesh.node_fields)
-    if (!mesh::is_level0_field(field)) block.node_fields.push_back(moved(comm, field, kept, node_ids, number_of_kept));
+    block.node_fields.push_back(moved(comm, field, kept, node_ids, number_of_kept));
   add_boundary(mesh, check::pair_faces(comm, mesh, by_place), number, block.boundary);
   return assemble::assemble(comm, std::move(block));
 }

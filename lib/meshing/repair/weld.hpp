@@ -11,6 +11,6 @@ namespace pamr::meshing {
 /// nodes the order of those that are left.
 /// Pre: all cells are of level 0. Collective. Throws `Error` on every rank where cells cannot be joined so: a cell with
 /// two nodes in one place, three faces in one.
-mesh::DistMesh weld(const par::Comm& comm, const mesh::DistMesh& mesh);
+mesh::DistMesh weld(const par::Comm& comm, mesh::DistMesh mesh);
 
 }  // namespace pamr::meshing

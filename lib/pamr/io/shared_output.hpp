@@ -24,6 +24,8 @@ class SharedOutput {
   SharedOutput(SharedOutput&&) = delete;
   SharedOutput& operator=(SharedOutput&&) = delete;
 
+  /// The name that it is to get. Local.
+  const std::filesystem::path& file() const { return file_.file(); }
   /// The temporary name, for what the first rank writes by other means. Local.
   const std::filesystem::path& path() const { return file_.path(); }
   /// Writes the parts of all ranks, in rank order, from a byte on that the first rank says; returns where they end.

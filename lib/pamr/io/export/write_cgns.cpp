@@ -170,7 +170,6 @@ class CgnsWriter {
       : comm_(comm),
         mesh_(mesh),
         remark_(remark),
-        file_(file),
         rows_(rows_in_order(comm, mesh, nullptr, Interfaces::patches)),
         out_(comm, file) {
     leave_out_untagged(rows_, mesh.info);
@@ -185,7 +184,7 @@ class CgnsWriter {
   void write() {
     par::agree(comm_, [&] {
       const hdf5::Silence silence;
-      if (comm_.is_first()) tree_.emplace_back(out_.path(), file_);
+      if (comm_.is_first()) tree_.emplace_back(out_.path(), out_.file());
     });
     par::agree(comm_, [&] {
       const hdf5::Silence silence;
@@ -356,7 +355,6 @@ class CgnsWriter {
   const par::Comm& comm_;
   const mesh::DistMesh& mesh_;
   const Remark& remark_;
-  std::filesystem::path file_;
   RowsInOrder rows_;
   SharedOutput out_;
   std::vector<std::vector<std::array<GlobalId, 3>>> faces_;        ///< of each patch, this rank's

@@ -72,7 +72,7 @@ std::string last_error() {
   std::string text;
   H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, append_description, &text);
   H5Eclear2(H5E_DEFAULT);
-  // What the system said is the reason; the rest names parts of HDF5 and temporary files.
+  // A message of the system says why a call failed; the rest names functions of HDF5 and temporary files.
   constexpr std::string_view mark = "error message = '";
   if (const auto at = text.find(mark); at != std::string::npos) {
     const auto begin = at + mark.size();
