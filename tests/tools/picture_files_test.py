@@ -226,6 +226,8 @@ def test_messages_of_pamr_convert_keep_the_bytes_of_names():
     pathlib.Path(name).write_text("no mesh")
     error = error_of(mesh_files.read, name)
     assert error.startswith(f"pamr-convert: file '{name}', line 1: expected a Gmsh file"), ascii(error)
+    import files
+    assert files.one_line(f"{name}\ud800\n") == name + "\\ud800\\n" and files.as_unicode("\udfff") == "\\udfff"
 
 
 @of_full_level

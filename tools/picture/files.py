@@ -17,14 +17,20 @@ complete = []
 numbers = itertools.count()
 
 
+def with_bytes(text):
+    """Half characters, of which no bytes can be made, as \\ud800; those that stand for bytes of file names stay."""
+    return "".join(f"\\u{ord(c):04x}" if 0xd800 <= ord(c) < 0xdc80 or 0xdd00 <= ord(c) < 0xe000 else c for c in text)
+
+
 def one_line(text):
     """Control characters as \\n and \\x1b, as lib/pamr/base/one_line.cpp has it."""
-    return "".join("\\n" if c == "\n" else f"\\x{ord(c):02x}" if ord(c) < 0x20 or 0x7f <= ord(c) < 0xa0 else c for c in text)
+    return "".join("\\n" if c == "\n" else f"\\x{ord(c):02x}" if ord(c) < 0x20 or 0x7f <= ord(c) < 0xa0 else c
+                   for c in with_bytes(text))
 
 
 def as_unicode(text):
     """File names need not be UTF-8; JSON and the texts of a picture must be."""
-    return text.encode(errors="surrogateescape").decode(errors="replace")
+    return with_bytes(text).encode(errors="surrogateescape").decode(errors="replace")
 
 
 def keep_standard_streams():
@@ -57,7 +63,7 @@ def tell(text):
 
 
 def complete_text():
-    """What ends every message once an output is complete."""
+    """The end of every message once an output is complete."""
     return f"; complete: {', '.join(repr_of(path) for path in complete)}" if complete else ""
 
 
