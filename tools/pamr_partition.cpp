@@ -32,7 +32,7 @@ struct Options {
   std::string input, output, weights = "refine", marks = "refine", method = "scotch", quality_control = "removable";
   Rank n_parts = 0;
   int format = io::newest_format;
-  bool force = false, asks_marks = false;
+  bool force = false, asks_marks = false;  ///< also by what only marks need
   double shape_floor = refine::default_shape_floor;
 };
 
@@ -70,7 +70,7 @@ void declare(cli::CommandLine& line, Options& options) {
     cli::CommandLine::refuse_ignored(quality_control, predicts, "--weights refine");
     cli::CommandLine::refuse_ignored(floor, predicts, "--weights refine");
     cli::CommandLine::refuse_ignored(floor, options.quality_control == "removable", "--quality-control removable");
-    options.asks_marks = marks.is_given();
+    options.asks_marks = marks.is_given() || quality_control.is_given() || floor.is_given();
   });
 }
 

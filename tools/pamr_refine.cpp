@@ -55,7 +55,7 @@ struct Options {
 void declare(cli::CommandLine& line, Options& options) {
   line.option("MESH", options.input, "mesh to read, with a cell field of marks").required();
   auto output = line.option("-o,--output", options.output, "refined mesh to write");
-  line.flag("--force", options.force, cli::force_help);
+  auto force = line.flag("--force", options.force, cli::force_help);
   line.option("--marks", options.marks, "integer cell field: -1 may be coarsened, 0 keep, 1 split; not in the result")
       .show_default();
   line.group("Shapes of cells", "pamr-refine marked.hdf -o fine.hdf --shape-floor 0.35");
@@ -86,14 +86,18 @@ void declare(cli::CommandLine& line, Options& options) {
               "cell field whose sum of value times volume is kept at curved walls too; may be repeated")
       .type_name("FIELD");
   auto dry_run = line.flag("--dry-run", options.dry_run, "print the exact size of the result, split nothing");
-  line.flag("--floors", options.floors, "with --dry-run: the size under other shape floors as well");
-  line.option("--format", options.format, cli::format_help).range(io::oldest_format, io::newest_format).show_default();
+  auto floors = line.flag("--floors", options.floors, "with --dry-run: the size under other shape floors as well");
+  auto format = line.option("--format", options.format, cli::format_help);
+  format.range(io::oldest_format, io::newest_format).show_default();
   auto each_rank = line.flag("--each-rank", options.each_rank, "the report lists every rank's share of each step too");
   each_rank.excludes(dry_run);
   line.after_reading([=, &options] {
     cli::CommandLine::refuse_ignored(weights, options.balance != "none", "a --balance other than none");
     cli::CommandLine::refuse_ignored(bend, !options.no_project || options.bend == "none", "no --no-project");
     cli::CommandLine::refuse_ignored(floor, options.quality_control == "removable", "--quality-control removable");
+    cli::CommandLine::refuse_ignored(floors, options.quality_control == "removable", "--quality-control removable");
+    cli::CommandLine::refuse_ignored(format, output.is_given(), "--output");
+    cli::CommandLine::refuse_ignored(force, output.is_given(), "--output");
     if (options.floors && !dry_run.is_given()) cli::CommandLine::refuse_without("--dry-run (beside --floors)");
     if (!output.is_given() && !dry_run.is_given()) cli::CommandLine::refuse_without("--output (or --dry-run)");
   });

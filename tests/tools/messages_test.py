@@ -76,6 +76,9 @@ def test_a_file_of_gmsh_is_told_apart_from_damage():
 
 
 def test_missing_marks_name_who_writes_them():
+    for options, beside in ((["--format", 3], "--output"), (["--force"], "--output"),
+                            (["--floors", "--quality-control", "none"], "--quality-control removable")):
+        refuses("pamr-refine", "b.hdf", "--dry-run", *options, says=[f"{options[0]}: expected {beside} beside it"])
     refuses("pamr-refine", kuhn_cube("a.hdf", 2), "-o", "r.hdf", says=["expected a cell field 'refine'", "pamr-mark writes it", "--marks FIELD"])
 
 

@@ -90,6 +90,8 @@ def test_the_papers_weights_count_a_marked_cell_eight_times():
     assert np.isclose(report["imbalance_after"], imbalance(rank, weight, 4)) and report["imbalance_after"] <= 1.05
     add_cell_field("a.hdf", "weight", weight)
     assert (partition("a.hdf", 4, "--weights", "weight")[0] == rank).all()
+    for options in (("--shape-floor", 0.3), ("--quality-control", "none")):  # of marks alone, so not uniform
+        refuses("pamr-partition", "a.hdf", "-o", "b2.hdf", "-p", 2, *options, says=["'refine'", "a.hdf"], creates="b2.hdf")
     refuses("pamr-partition", "a.hdf", "-o", "b2.hdf", "-p", 2, "--weights", "8/1", says=["'refine'", "a.hdf"],
             creates="b2.hdf")
 

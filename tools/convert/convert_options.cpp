@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <utility>
 
 #include "pamr/base/error.hpp"
 #include "pamr/geometry/cad/cad_source.hpp"
@@ -118,8 +119,8 @@ void declare_repair(cli::CommandLine& line, Options& options) {
             "leave edges, faces and cells at coarse curved walls as they are, also where surfaces are given");
 }
 
-/// Yields --gmsh-version.
-cli::Option declare_formats(cli::CommandLine& line, Options& options) {
+/// Yields --gmsh-version and --format.
+std::pair<cli::Option, cli::Option> declare_formats(cli::CommandLine& line, Options& options) {
   line.group("Formats",
              "pamr-convert level3.hdf curved.msh --order 2 --gmsh-version 2.2\n"
              "pamr-convert box.mesh box.hdf --sol-in box.sol --sol-fields density,pressure");
@@ -143,8 +144,9 @@ cli::Option declare_formats(cli::CommandLine& line, Options& options) {
                       io::list_endings([](const io::Format& f) { return f.has_second_order; }, " or ")))
       .range(1, 2)
       .show_default();
-  line.option("--format", options.format, cli::format_help).range(io::oldest_format, io::newest_format).show_default();
-  return version;
+  auto format = line.option("--format", options.format, cli::format_help);
+  format.range(io::oldest_format, io::newest_format).show_default();
+  return {version, format};
 }
 
 }  // namespace
@@ -185,9 +187,10 @@ void declare(cli::CommandLine& line, Options& options) {
   line.flag("--force", options.force, cli::force_help);
   declare_repair(line, options);
   declare_surfaces(line, options);
-  const auto version = declare_formats(line, options);
-  line.after_reading([&options, version, unit] {
+  const auto [version, format] = declare_formats(line, options);
+  line.after_reading([&options, version, format, unit] {
     options.asks_version = version.is_given();
+    options.asks_format = format.is_given();
     options.asks_unit = unit.is_given();
   });
 }
@@ -248,8 +251,7 @@ std::string check_files(cli::Session& session, const Options& options) {
     if (polyline.size() < 6 || polyline.size() % 3 != 0)
       throw Error(fmt::format("--crease: expected two points or more of three coordinates each, found {} numbers",
                               polyline.size()));
-  require_known(options, options.format != io::newest_format, fmt::format("--format {}", options.format),
-                &io::Format::is_native);
+  require_known(options, options.asks_format, fmt::format("--format {}", options.format), &io::Format::is_native);
   require_known(options, options.as_level0, "--as-level-0", &io::Format::is_native);
   session.check_input(options.input);
   if (options.from->file_beside != nullptr) session.keep(options.from->file_beside(options.input).string());

@@ -19,8 +19,9 @@ struct Options {
   std::vector<std::vector<double>> creases;
   double tolerance = -1, feature_angle = -1, scale = 1;
   int format = io::newest_format, order = 1;
-  bool asks_version = false, asks_unit = false, recognize = false, as_level0 = false, repair = false, no_repair = false,
-       strict = false, split_prisms = false, weld = false, text = false, interfaces = false, force = false;
+  bool asks_version = false, asks_format = false, asks_unit = false, recognize = false, as_level0 = false,
+       repair = false, no_repair = false, strict = false, split_prisms = false, weld = false, text = false,
+       interfaces = false, force = false;
   const io::Format *from = nullptr, *to = nullptr;  ///< of input and output, set after the command line is read
 };
 
