@@ -188,7 +188,7 @@ void declare(cli::CommandLine& line, Options& options) {
   declare_repair(line, options);
   declare_surfaces(line, options);
   const auto [version, format] = declare_formats(line, options);
-  line.after_reading([&options, version, format, unit] {
+  line.after_reading([&options, unit, version = version, format = format] {
     options.asks_version = version.is_given();
     options.asks_format = format.is_given();
     options.asks_unit = unit.is_given();
