@@ -265,6 +265,11 @@ class Assessment(unittest.TestCase):
         self.assertEqual((found["steps"], found["calls"], found["CPU s"]), ("2", "4", "8"))
         self.assertEqual((found["theirs / ours: a cell out"], found["a cell gone"]), ("4", "16"))
 
+        ended = measure.Pair("other", {1: pair.theirs[1]}, {1: 3.0}, {1: 0.5, 2: 9.0}, 20.0, 1, 1.5, was_ended=True)
+        found = dict(zip(rows.FRONT_HEAD, list(rows.front_rows(ours, [ended], {"other": {"algorithm": "red"}}))[1]))
+        self.assertEqual((found["steps"], found["CPU s"], found["ours, in turn"]), ("1", "3", "0.5"))
+        self.assertEqual(found["theirs / ours: a cell out"], "3")
+
     def test_rows_of_parts_have_ratios_for_all_and_for_a_cell(self):
         def runs(cells, *seconds):
             return [{"cells": cells, "cpu": cpu, "worst": 0.2, "mean": 0.8} for cpu in seconds]

@@ -188,20 +188,20 @@ def front_rows(ours, pairs, entries):
             *values[3:],
         ]
 
-    our_total = sums(ours, {n: row["cpu"] for n, row in ours.items()})
-    yield of(ours, our_total, "red", ["1", "1", "1", "-", "-", "1"])
+    our_cpu = {n: row["cpu"] for n, row in ours.items()}
+    yield of(ours, sums(ours, our_cpu), "red", ["1", "1", "1", "-", "-", "1"])
     for pair in pairs:
         entry, total = entries[pair.name], sums(pair.theirs, pair.seconds)
-        our_seconds = sum(pair.our_seconds[n] for n in ours)
+        our = sums({n: ours[n] for n in pair.theirs}, pair.our_seconds)  # the steps that the other has made
         is_same = entry["algorithm"] == "red"
-        out = quotient(per(total["cpu"], total["cells"]), per(our_seconds, our_total["cells"]))
-        gone = quotient(per(total["cpu"], total["gone"]), per(our_seconds, our_total["gone"]))
+        out = quotient(per(total["cpu"], total["cells"]), per(our["cpu"], our["cells"]))
+        gone = quotient(per(total["cpu"], total["gone"]), per(our["cpu"], our["gone"]))
         yield of(
             pair.theirs,
             total,
             entry["algorithm"],
             [
-                number(our_seconds),
+                number(our["cpu"]),
                 ratio_text(out, is_same),
                 ratio_text(gone, is_same),
                 number(pair.limit),
